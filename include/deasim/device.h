@@ -10,16 +10,16 @@
 enum dea_electrode_feed { DEA_FEED_LONG_EDGE, DEA_FEED_NARROW_END };
 
 struct dea_zone {
-    bool present;                   /* false: no membrane on that side (a dead load may replace it) */
-    bool electroded;                /* false: passive */
-    double length;                  /* l0, prestretched, 0 V, m */
-    double electrode_resistance;    /* fixed part of R_e, Ohm (both electrodes together) */
-    double sheet_resistance;        /* R_sq, Ohm per square; 0 when not given */
-    enum dea_electrode_feed feed;   /* where the sheet is fed */
+    bool present;                 /* false: no membrane on that side (a dead load may replace it) */
+    bool electroded;              /* false: passive */
+    double length;                /* l0, prestretched, 0 V, m */
+    double electrode_resistance;  /* fixed part of R_e, Ohm (both electrodes together) */
+    double sheet_resistance;      /* R_sq, Ohm per square; 0 when not given */
+    enum dea_electrode_feed feed; /* where the sheet is fed */
     /* set by dea_device_prepare */
-    double side;                    /* +1 left, -1 right */
-    double volume;                  /* w l0 t0, m^3 */
-    double rest_capacitance;        /* C at x = 0, F; 0 when passive */
+    double side;             /* +1 left, -1 right */
+    double volume;           /* w l0 t0, m^3 */
+    double rest_capacitance; /* C at x = 0, F; 0 when passive */
 };
 
 struct dea_device {
@@ -29,9 +29,9 @@ struct dea_device {
     double prestretch[2]; /* lp1 along the motion, lp2 across */
     struct dea_material material;
     struct dea_zone zones[DEA_ZONES];
-    double platform_mass;  /* kg */
-    double damping;        /* c, N s/m */
-    double load;           /* constant force on the platform, N, positive towards +x */
+    double platform_mass; /* kg */
+    double damping;       /* c, N s/m */
+    double load;          /* constant force on the platform, N, positive towards +x */
     bool has_stops;
     double stops[2];       /* x of the lower and upper end stop, m */
     double stop_stiffness; /* N/m; 0 in the input means 1000 times the membrane stiffness, set by prepare */
@@ -72,7 +72,7 @@ double dea_zone_resistance(const struct dea_device *device, int zone, double lam
 
 /* Force of the end stops on the platform (N), with derivatives by x and v; their stored energy (J) and lost power (W).
  * Any output pointer may be NULL. */
-double dea_stop_force(const struct dea_device *device, double x, double v, double *df_dx, double *df_dv,
-                      double *energy, double *loss);
+double dea_stop_force(const struct dea_device *device, double x, double v, double *df_dx, double *df_dv, double *energy,
+                      double *loss);
 
 #endif

@@ -1,5 +1,6 @@
 /* Elastic laws, viscoelastic branches and the dielectric of a membrane.
- * Stretches are dimensionless and measured from the unstretched state; moduli, stresses and energies per volume in Pa. */
+ * Stretches are dimensionless and measured from the unstretched state; moduli, stresses and energies per volume in Pa.
+ */
 #ifndef DEASIM_MATERIAL_H
 #define DEASIM_MATERIAL_H
 
@@ -16,14 +17,14 @@ enum dea_law_kind { DEA_GENT, DEA_NEO_HOOKEAN, DEA_YEOH, DEA_OGDEN, DEA_ARRUDA_B
 /* Parameters of the equilibrium spring; only those of `kind` are read. */
 struct dea_law {
     enum dea_law_kind kind;
-    double mu;                                /* shear modulus, Pa (gent, neo-hookean, arruda-boyce) */
-    double jm;                                /* Gent limit of I1 - 3, dimensionless */
-    double locking_stretch;                   /* arruda-boyce lam_L, dimensionless */
-    int yeoh_terms;                           /* number of Yeoh coefficients */
-    double yeoh[DEA_MAX_YEOH_TERMS];          /* C10, C20, C30, Pa; W = sum C_i0 (I1 - 3)^i */
-    int ogden_terms;                          /* number of Ogden terms */
-    double ogden_mu[DEA_MAX_OGDEN_TERMS];     /* Pa; W = sum mu_p / alpha_p (l1^a + l2^a + l3^a - 3) */
-    double ogden_alpha[DEA_MAX_OGDEN_TERMS];  /* dimensionless */
+    double mu;                               /* shear modulus, Pa (gent, neo-hookean, arruda-boyce) */
+    double jm;                               /* Gent limit of I1 - 3, dimensionless */
+    double locking_stretch;                  /* arruda-boyce lam_L, dimensionless */
+    int yeoh_terms;                          /* number of Yeoh coefficients */
+    double yeoh[DEA_MAX_YEOH_TERMS];         /* C10, C20, C30, Pa; W = sum C_i0 (I1 - 3)^i */
+    int ogden_terms;                         /* number of Ogden terms */
+    double ogden_mu[DEA_MAX_OGDEN_TERMS];    /* Pa; W = sum mu_p / alpha_p (l1^a + l2^a + l3^a - 3) */
+    double ogden_alpha[DEA_MAX_OGDEN_TERMS]; /* dimensionless */
 };
 
 /* What one evaluation of a law gives at (lam1, lam2), incompressible, lam3 = 1/(lam1 lam2). */
@@ -72,14 +73,14 @@ struct dea_branch_state {
 
 /* Everything the plant needs of one branch at one stretch, with derivatives for the analytic Jacobian. */
 struct dea_branch_response {
-    double p1;          /* contribution to the nominal stress P1 = s1/lam1, Pa */
-    double s2;          /* true stress in direction 2, Pa */
-    double dp1_dlam1;   /* Pa */
-    double dp1_dz[2];   /* Pa */
-    double rate[2];     /* dz/dt, 1/s */
+    double p1;        /* contribution to the nominal stress P1 = s1/lam1, Pa */
+    double s2;        /* true stress in direction 2, Pa */
+    double dp1_dlam1; /* Pa */
+    double dp1_dz[2]; /* Pa */
+    double rate[2];   /* dz/dt, 1/s */
     double drate_dlam1[2];
     double drate_dz[2][2]; /* row: rate, column: z */
-    double dissipation; /* per volume, W/m^3, >= 0 */
+    double dissipation;    /* per volume, W/m^3, >= 0 */
 };
 
 /* Evaluates a branch at stretch lam1 with lam2 = prestretch[1] clamped. `with_derivatives` false leaves the derivative
@@ -100,10 +101,10 @@ void dea_branch_fresh(const struct dea_branch *branch, const double prestretch[2
 /* ---- dielectric ---- */
 
 struct dea_dielectric {
-    double permittivity;                 /* relative, at lam1 = 0 of the linear law: eps_r = permittivity + slope lam1 */
-    double permittivity_slope;           /* d eps_r / d lam1, dimensionless */
-    double breakdown;                    /* true field, V/m; with exponents 0 a constant; INFINITY when not given */
-    double breakdown_reference;          /* reference thickness of the power law, m */
+    double permittivity;        /* relative, at lam1 = 0 of the linear law: eps_r = permittivity + slope lam1 */
+    double permittivity_slope;  /* d eps_r / d lam1, dimensionless */
+    double breakdown;           /* true field, V/m; with exponents 0 a constant; INFINITY when not given */
+    double breakdown_reference; /* reference thickness of the power law, m */
     double breakdown_thickness_exponent; /* m in E_bd = breakdown (h/h_ref)^-m lam^n, h deformed thickness */
     double breakdown_stretch_exponent;   /* n; lam = sqrt(lam1 lam2) */
     double conductivity;                 /* s0, S/m */

@@ -7,8 +7,8 @@
 #include <stdio.h>
 
 struct dea_signal {
-    char name[96];  /* "x", "left.voltage", "DEB.right.charge", ... */
-    char unit[16];  /* SI: "m", "m/s", "V", "C", "A", "F", "V/m", "1", "N", "Pa" */
+    char name[96]; /* "x", "left.voltage", "DEB.right.charge", ... */
+    char unit[16]; /* SI: "m", "m/s", "V", "C", "A", "F", "V/m", "1", "N", "Pa" */
 };
 
 /* Extremes over the whole run, not only at the samples. */
@@ -18,29 +18,29 @@ struct dea_signal_stats {
 };
 
 struct dea_event {
-    double time;               /* s */
+    double time; /* s */
     enum dea_event_kind kind;
-    int device;                /* index into the scene's devices */
-    int zone;                  /* DEA_ZONES index, -1 for the platform */
-    bool cleared;              /* false: the limit was crossed; true: the device came back from it */
+    int device;   /* index into the scene's devices */
+    int zone;     /* DEA_ZONES index, -1 for the platform */
+    bool cleared; /* false: the limit was crossed; true: the device came back from it */
 };
 
 /* Energy audit, J. in = stored + dissipated + imbalance * exchanged (signed). */
 struct dea_energy {
-    double in;          /* electrical work of the sources plus work of the load */
+    double in;               /* electrical work of the sources plus work of the load */
     double electrical, load; /* its two parts */
-    double stored;      /* change of stored energy */
+    double stored;           /* change of stored energy */
     double dissipated;
     double branch, damping, resistive, leakage, stop; /* parts of dissipated */
-    double exchanged;   /* total energy moved in and out, the denominator */
-    double imbalance;   /* |in - stored - dissipated| / exchanged */
+    double exchanged;                                 /* total energy moved in and out, the denominator */
+    double imbalance;                                 /* |in - stored - dissipated| / exchanged */
 };
 
 struct dea_run_stats {
     long circuit_points, circuit_rejected;
     long plant_steps, plant_rejected, residuals, jacobians, newton_iterations, restarts;
     double wall_s;
-    char mode[16];      /* static, native, linear, cosim */
+    char mode[16]; /* static, native, linear, cosim */
 };
 
 struct dea_netlist_measure {
@@ -50,16 +50,17 @@ struct dea_netlist_measure {
 };
 
 struct dea_result {
-    enum dea_status status;   /* DEA_OK done, DEA_STOPPED by an event, negative failed; files and numbers are valid up to t_end */
-    char reason[2048];        /* why it ended early or failed; empty when done */
-    double t_end;             /* s */
-    const struct dea_signal *signals;  /* signal_count entries, owned by the run */
-    struct dea_signal_stats *stats;    /* owned, same order */
+    enum dea_status
+        status; /* DEA_OK done, DEA_STOPPED by an event, negative failed; files and numbers are valid up to t_end */
+    char reason[2048];                /* why it ended early or failed; empty when done */
+    double t_end;                     /* s */
+    const struct dea_signal *signals; /* signal_count entries, owned by the run */
+    struct dea_signal_stats *stats;   /* owned, same order */
     size_t signal_count;
     struct dea_event *events;          /* owned, in time order */
     size_t event_count, event_dropped; /* dropped: beyond the list's limit, only counted */
     struct dea_energy energy;
-    double coupling_error;    /* relative difference of port work on both sides; 0 without a circuit */
+    double coupling_error; /* relative difference of port work on both sides; 0 without a circuit */
     long redone;
     struct dea_netlist_measure *measures; /* owned */
     size_t measure_count;
@@ -70,22 +71,26 @@ struct dea_result {
 
 struct dea_recorder;
 
-/* Opens DIR/result.csv, result.raw, result.h5 as asked by `formats` (enum dea_format bits), creating DIR. Files are written under
- * their final name with the rows so far always readable after a flush; raw's point count is patched on flush and close.
- * DEA_ERR_INPUT when the folder cannot be made or written. `title` goes into raw and HDF5 headers. */
+/* Opens DIR/result.csv, result.raw, result.h5 as asked by `formats` (enum dea_format bits), creating DIR. Files are
+ * written under their final name with the rows so far always readable after a flush; raw's point count is patched on
+ * flush and close. DEA_ERR_INPUT when the folder cannot be made or written. `title` goes into raw and HDF5 headers. */
 enum dea_status dea_recorder_open(const char *directory, unsigned formats, const char *title,
-                                  const struct dea_signal *signals, size_t signal_count,
-                                  struct dea_recorder **recorder, struct dea_error *error);
+                                  const struct dea_signal *signals, size_t signal_count, struct dea_recorder **recorder,
+                                  struct dea_error *error);
 
-/* Appends one row (time in s, signal_count values in SI). No allocation. DEA_ERR_OUTPUT when the disk is full or similar. */
-enum dea_status dea_recorder_append(struct dea_recorder *recorder, double time, const double *values, struct dea_error *error);
+/* Appends one row (time in s, signal_count values in SI). No allocation. DEA_ERR_OUTPUT when the disk is full or
+ * similar. */
+enum dea_status dea_recorder_append(struct dea_recorder *recorder, double time, const double *values,
+                                    struct dea_error *error);
 
-/* Flushes, patches counts, closes, frees; NULL is fine. On a write error says in the message which file is incomplete. */
+/* Flushes, patches counts, closes, frees; NULL is fine. On a write error says in the message which file is incomplete.
+ */
 enum dea_status dea_recorder_close(struct dea_recorder *recorder, struct dea_error *error);
 
 /* ---- summary ---- */
 
-/* Serialises the contract's JSON object (design: one object, keys scene ... stats). Returned text is malloc'd; NULL when out of memory. */
+/* Serialises the contract's JSON object (design: one object, keys scene ... stats). Returned text is malloc'd; NULL
+ * when out of memory. */
 char *dea_summary_json(const struct dea_scene *scene, const struct dea_result *result);
 
 /* Writes the JSON to DIR/summary.json, atomically (temporary file, then rename). */

@@ -11,8 +11,8 @@
 /* A native source on one electrode. */
 struct dea_source {
     bool present;
-    struct dea_waveform waveform;   /* V */
-    double resistance;              /* series resistance, Ohm; 0 is an ideal source */
+    struct dea_waveform waveform; /* V */
+    double resistance;            /* series resistance, Ohm; 0 is an ideal source */
     bool amplified;
     struct dea_amplifier amplifier; /* only when amplified */
 };
@@ -22,25 +22,26 @@ enum dea_policy { DEA_POLICY_IGNORE, DEA_POLICY_WARN, DEA_POLICY_STOP, DEA_POLIC
 /* physics.md section 8; the order is that of the failure table there. */
 enum dea_event_kind {
     DEA_EVENT_BREAKDOWN,
-    DEA_EVENT_SLACK,       /* direction 1 */
-    DEA_EVENT_STRESS2,     /* stress2 < 0: clamped width lost */
-    DEA_EVENT_LIMIT,       /* elastic law near its limit, margin < 1e-3 */
-    DEA_EVENT_STABILITY,   /* d2 E_total / dx2 <= 0 at the given voltages */
-    DEA_EVENT_STOP,        /* end stop hit */
+    DEA_EVENT_SLACK,     /* direction 1 */
+    DEA_EVENT_STRESS2,   /* stress2 < 0: clamped width lost */
+    DEA_EVENT_LIMIT,     /* elastic law near its limit, margin < 1e-3 */
+    DEA_EVENT_STABILITY, /* d2 E_total / dx2 <= 0 at the given voltages */
+    DEA_EVENT_STOP,      /* end stop hit */
     DEA_EVENT_COUNT
 };
 
-extern const char *const dea_event_names[DEA_EVENT_COUNT]; /* "breakdown", "slack", "stress2", "limit", "stability", "stop" */
+extern const char
+    *const dea_event_names[DEA_EVENT_COUNT]; /* "breakdown", "slack", "stress2", "limit", "stability", "stop" */
 
 enum dea_measure { DEA_MEASURE_MIN, DEA_MEASURE_MAX, DEA_MEASURE_FINAL, DEA_MEASURE_T_MAX, DEA_MEASURE_NETLIST };
 
 /* One line of `expect`: a signal's measure, or a netlist .measure by name, between bounds. */
 struct dea_expectation {
-    char signal[96];          /* "x", "left.voltage", ...; empty for a netlist measure */
+    char signal[96]; /* "x", "left.voltage", ...; empty for a netlist measure */
     enum dea_measure measure;
-    char name[96];            /* name of the netlist .measure, or as written, for messages */
-    double above, below;      /* SI; -INFINITY / INFINITY when not given */
-    char file[256];           /* where it was written */
+    char name[96];       /* name of the netlist .measure, or as written, for messages */
+    double above, below; /* SI; -INFINITY / INFINITY when not given */
+    char file[256];      /* where it was written */
     int line;
 };
 
@@ -54,35 +55,36 @@ enum dea_start { DEA_START_EQUILIBRIUM, DEA_START_FRESH };
 enum dea_format { DEA_FORMAT_CSV = 1, DEA_FORMAT_RAW = 2, DEA_FORMAT_HDF5 = 4 };
 
 struct dea_scene {
-    char *path;               /* as given; owned */
-    char *title;              /* owned */
+    char *path;                       /* as given; owned */
+    char *title;                      /* owned */
     struct dea_scene_device *devices; /* owned */
     int device_count;
     /* drive: netlist path (resolved against the scene's folder), or native sources of the single device */
-    char *netlist;            /* owned; NULL for native */
+    char *netlist; /* owned; NULL for native */
     struct dea_source sources[DEA_ZONES];
     bool has_load_waveform;
     struct dea_waveform load; /* N, added to the device's constant load */
     /* transient */
-    bool has_transient;       /* false: take .tran of the netlist */
-    double stop;              /* s */
-    double accuracy;          /* A; default 1e-4 */
-    double max_step;          /* s, 0: none */
+    bool has_transient; /* false: take .tran of the netlist */
+    double stop;        /* s */
+    double accuracy;    /* A; default 1e-4 */
+    double max_step;    /* s, 0: none */
     /* initial */
     enum dea_start start;
     bool has_initial_x, has_initial_v;
-    double initial_x, initial_v; /* m, m/s */
+    double initial_x, initial_v;               /* m, m/s */
     enum dea_policy policies[DEA_EVENT_COUNT]; /* default: warn */
     /* output */
-    double sample;            /* s; 0: stop / 1000 */
-    unsigned formats;         /* of enum dea_format; default csv */
-    char **signals;           /* owned list of names to write; NULL: all */
+    double sample;    /* s; 0: stop / 1000 */
+    unsigned formats; /* of enum dea_format; default csv */
+    char **signals;   /* owned list of names to write; NULL: all */
     size_t signal_count;
     struct dea_expectation *expectations; /* owned */
     size_t expectation_count;
 };
 
-/* One `--set key=value`: a dotted key ("transient.accuracy", "drive.left.resistance", "device.geometry.width") and its YAML value. */
+/* One `--set key=value`: a dotted key ("transient.accuracy", "drive.left.resistance", "device.geometry.width") and its
+ * YAML value. */
 struct dea_override {
     const char *key, *value;
 };

@@ -38,12 +38,14 @@ struct dea_waveform {
  * little past both ends, so that left and right limits at a corner are exact. */
 struct dea_piece {
     enum { DEA_PIECE_LINE, DEA_PIECE_SINE, DEA_PIECE_CHIRP } kind;
-    double start, end; /* s */
-    double value, slope;                                    /* line: value + slope (t - start) */
-    double offset, amplitude, omega, phase, decay, sweep;   /* sine: offset + amplitude exp(-decay tau) sin(phase + omega tau + sweep tau^2 / 2), tau = t - start */
+    double start, end;   /* s */
+    double value, slope; /* line: value + slope (t - start) */
+    double offset, amplitude, omega, phase, decay,
+        sweep; /* sine: offset + amplitude exp(-decay tau) sin(phase + omega tau + sweep tau^2 / 2), tau = t - start */
 };
 
-/* Checks a waveform filled by hand or by the reader; message names the parameter. All times >= 0, finite numbers, ... */
+/* Checks a waveform filled by hand or by the reader; message names the parameter. All times >= 0, finite numbers, ...
+ */
 enum dea_status dea_waveform_check(const struct dea_waveform *waveform, struct dea_error *error);
 
 /* The piece that holds just after time t. Its `end` is the next corner (jump or kink) after t. Periods are counted with
@@ -59,9 +61,9 @@ double dea_waveform_value(const struct dea_waveform *waveform, double t);
 /* Largest |value| the waveform can take, for scales. */
 double dea_waveform_peak(const struct dea_waveform *waveform);
 
-/* Reads a CSV waveform: header "time [unit], value [unit]" then rows. Fills a pwl waveform in SI. Messages name file:line.
- * Refused: missing unit, unit that does not convert to s or to value_unit, fewer than two rows, times that go back,
- * missing cells, non-finite numbers. `value_unit` is "V" or "N". */
+/* Reads a CSV waveform: header "time [unit], value [unit]" then rows. Fills a pwl waveform in SI. Messages name
+ * file:line. Refused: missing unit, unit that does not convert to s or to value_unit, fewer than two rows, times that
+ * go back, missing cells, non-finite numbers. `value_unit` is "V" or "N". */
 enum dea_status dea_waveform_read_csv(const char *path, const char *value_unit, struct dea_waveform *waveform,
                                       struct dea_error *error);
 
