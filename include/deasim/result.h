@@ -71,17 +71,24 @@ struct dea_result {
 
 struct dea_recorder;
 
-/* Opens DIR/result.csv, result.raw, result.h5 as asked by `formats` (enum dea_format bits), creating DIR. Files are
- * written under their final name with the rows so far always readable after a flush; raw's point count is patched on
- * flush and close. DEA_ERR_INPUT when the folder cannot be made or written. `title` goes into raw and HDF5 headers. */
+/* Opens DIR/result.csv, result.raw, result.h5 as asked by `formats` (enum dea_format bits), creating DIR and its
+ * parents. Result, picture and summary files of an earlier run in DIR are removed first, so nothing there passes for
+ * this run's. Files are written under their final name with the rows so far always readable after a flush; raw's point
+ * count is patched on flush and close. DEA_ERR_INPUT when the folder cannot be made or written. `title` (may be NULL)
+ * goes into raw and HDF5 headers. `signals` is read here only. A program that may meet a file size limit ignores
+ * SIGXFSZ, else the limit ends it. */
 enum dea_status dea_recorder_open(const char *directory, unsigned formats, const char *title,
                                   const struct dea_signal *signals, size_t signal_count, struct dea_recorder **recorder,
                                   struct dea_error *error);
 
-/* Appends one row (time in s, signal_count values in SI). No allocation. DEA_ERR_OUTPUT when the disk is full or
- * similar. */
+/* Appends one row (time in s, signal_count values in SI). No allocation; flushes about once a second of wall time.
+ * DEA_ERR_OUTPUT when the disk is full or similar: the message names each incomplete file and how many of its rows are
+ * good; every file still ends with a whole row. Nothing is written after that. */
 enum dea_status dea_recorder_append(struct dea_recorder *recorder, double time, const double *values,
                                     struct dea_error *error);
+
+/* Makes every row so far readable from outside, also if the program is killed afterwards. Same failures as append. */
+enum dea_status dea_recorder_flush(struct dea_recorder *recorder, struct dea_error *error);
 
 /* Flushes, patches counts, closes, frees; NULL is fine. On a write error says in the message which file is incomplete.
  */
