@@ -14,7 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define CHUNK_ROWS 4096            /* rows of a chunk, also the largest batch */
+#define CHUNK_ROWS 1024            /* rows of a chunk: 8 kB, so that a short run makes a small file */
+#define BATCH_ROWS 4096            /* rows written at once, a whole number of chunks */
 #define METADATA_SLACK (64 * 1024) /* bytes a batch may add besides its data: indices, headers */
 #define METADATA_PER_SIGNAL 4096   /* bytes, the same for every data set */
 
@@ -22,7 +23,7 @@ struct hdf5_writer {
     struct dea_writer base;
     hid_t file, memory_space; /* HDF5 handles, negative when closed */
     hid_t *datasets;          /* column_count, time first; owned */
-    double *batch;            /* column_count blocks of CHUNK_ROWS; owned */
+    double *batch;            /* column_count blocks of BATCH_ROWS; owned */
     size_t column_count;      /* signals and time */
     hsize_t batch_rows;       /* rows waiting */
     hsize_t file_rows;        /* rows in the file */
@@ -141,8 +142,8 @@ static bool create_file(struct hdf5_writer *writer, const char *path, const char
     if (H5Pset_file_locking(access, false, true) >= 0)
         writer->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
     H5Pclose(access);
-    hsize_t chunk = CHUNK_ROWS;
-    writer->memory_space = H5Screate_simple(1, &chunk, NULL);
+    hsize_t batch = BATCH_ROWS;
+    writer->memory_space = H5Screate_simple(1, &batch, NULL);
     if (writer->file < 0 || writer->memory_space < 0 || !write_text_attribute(writer->file, "title", title))
         return false;
     for (size_t i = 0; i < writer->column_count; i++) {
@@ -158,7 +159,7 @@ static struct dea_writer *hdf5_open(const char *path, const char *title, const s
                                     struct dea_error *error) {
     struct hdf5_writer *writer = calloc(1, sizeof *writer);
     hid_t *datasets = calloc(count + 1, sizeof *datasets);
-    double *batch = calloc(count + 1, CHUNK_ROWS * sizeof *batch);
+    double *batch = calloc(count + 1, BATCH_ROWS * sizeof *batch);
     if (writer == NULL || datasets == NULL || batch == NULL) {
         free(writer);
         free(datasets);
@@ -206,7 +207,7 @@ static bool write_column(struct hdf5_writer *writer, size_t column, hsize_t rows
     bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, &writer->file_rows, NULL, &rows, NULL) >= 0 &&
                 H5Sselect_hyperslab(writer->memory_space, H5S_SELECT_SET, &zero, NULL, &rows, NULL) >= 0 &&
                 H5Dwrite(dataset, H5T_NATIVE_DOUBLE, writer->memory_space, space, H5P_DEFAULT,
-                         writer->batch + column * CHUNK_ROWS) >= 0;
+                         writer->batch + column * BATCH_ROWS) >= 0;
     H5Sclose(space);
     return good;
 }
@@ -224,7 +225,7 @@ static bool hdf5_flush(struct dea_writer *base) {
         return false;
     if (writer->batch_rows == 0)
         return true;
-    base->trouble = ask_room(writer->descriptor, room_of_rows(writer, CHUNK_ROWS));
+    base->trouble = ask_room(writer->descriptor, room_of_rows(writer, BATCH_ROWS));
     if (base->trouble != 0)
         return false;
     bool good;
@@ -249,10 +250,10 @@ static bool hdf5_append(struct dea_writer *base, double time, const double *valu
     double *place = writer->batch + writer->batch_rows;
     place[0] = time;
     for (size_t i = 1; i < writer->column_count; i++)
-        place[i * CHUNK_ROWS] = values[i - 1];
-    /* Batches end where chunks end, so that each chunk is written once. */
+        place[i * BATCH_ROWS] = values[i - 1];
+    /* Batches end where chunks end, so that no chunk is written twice. */
     writer->batch_rows++;
-    if ((writer->file_rows + writer->batch_rows) % CHUNK_ROWS == 0)
+    if ((writer->file_rows + writer->batch_rows) % BATCH_ROWS == 0)
         return hdf5_flush(base);
     return true;
 }
