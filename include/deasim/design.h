@@ -25,8 +25,8 @@ struct dea_static_point {
 };
 
 /* Equilibrium at voltages[left, right]: the first rest position met from x = 0 in the direction of the force, which is
- * where the platform stays when the voltages grew slowly. DEA_ERR_INPUT when a passive zone is given a voltage or the
- * prestretch lies outside the elastic law, DEA_ERR_SOLVER when nothing holds the platform. */
+ * where the platform stays when the voltages grew slowly. DEA_ERR_INPUT when a passive zone is given a voltage,
+ * DEA_ERR_SOLVER when there is no equilibrium: nothing holds the platform, or the prestretch lies outside the law. */
 enum dea_status dea_static_solve(const struct dea_device *device, const double voltages[DEA_ZONES],
                                  struct dea_static_point *point, struct dea_error *error);
 

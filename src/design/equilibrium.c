@@ -119,7 +119,7 @@ enum dea_status dea_find_rest(const struct dea_device *device, const double volt
     struct balance balance = {device, voltages, 1.0};
     struct push start;
     if (push_platform(&balance, 0.0, &start) != DEA_OK)
-        return dea_fail(error, DEA_ERR_INPUT, "no equilibrium: the device is outside its elastic law at x = 0");
+        return dea_fail(error, DEA_ERR_SOLVER, "no equilibrium: the prestretch lies outside the elastic law");
     *x = 0.0;
     if (start.force == 0.0)
         return DEA_OK;

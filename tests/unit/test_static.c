@@ -125,7 +125,7 @@ static void check_row(const struct row *row) {
         assert_true(isnan(limit.voltage) && isnan(limit.x) && isnan(limit.stretch) && isnan(limit.true_field));
         device.slack = false;
         if (strcmp(row->mode, "PRE_RUPT") == 0)
-            assert_int_equal(dea_static_solve(&device, voltages, &point, NULL), DEA_ERR_INPUT);
+            assert_int_equal(dea_static_solve(&device, voltages, &point, NULL), DEA_ERR_SOLVER);
         else {
             assert_int_equal(dea_static_solve(&device, voltages, &point, NULL), DEA_OK);
             check_point(row, &point);
