@@ -1,5 +1,5 @@
 /* What a waveform must be before anything else may use it. */
-#include "deasim/waveform.h"
+#include "drive/drive_internal.h"
 
 #include <math.h>
 
@@ -102,28 +102,34 @@ static enum dea_status check_sine(const struct dea_waveform *w, struct dea_error
     return DEA_OK;
 }
 
+enum dea_status dea_waveform_check_point(const struct dea_waveform *w, size_t i, struct dea_error *error) {
+    const double *times = w->times;
+    if (!(times[i] >= 0 && times[i] <= LARGEST_TIME))
+        return dea_fail(error, DEA_ERR_INPUT, "time of point %zu is %g s; a time from 0 to %g s is needed", i + 1,
+                        times[i], LARGEST_TIME);
+    if (!(fabs(w->values[i]) <= LARGEST_LEVEL))
+        return dea_fail(error, DEA_ERR_INPUT, "value of point %zu is %g; a finite number up to %g is needed", i + 1,
+                        w->values[i], LARGEST_LEVEL);
+    if (i == 0)
+        return DEA_OK;
+    if (times[i] < times[i - 1])
+        return dea_fail(error, DEA_ERR_INPUT, "time of point %zu, %g s, goes back behind %g s", i + 1, times[i],
+                        times[i - 1]);
+    if (times[i] > times[i - 1] && times[i] - times[i - 1] < SHORTEST_TIME)
+        return dea_fail(error, DEA_ERR_INPUT, "points %zu and %zu are less than 1 fs apart", i, i + 1);
+    if (i > 1 && times[i] == times[i - 2])
+        return dea_fail(error, DEA_ERR_INPUT, "points %zu, %zu and %zu have the same time %g s; two make a jump", i - 1,
+                        i, i + 1, times[i]);
+    return DEA_OK;
+}
+
 static enum dea_status check_points(const struct dea_waveform *w, struct dea_error *error) {
     if (w->point_count == 0 || w->times == NULL || w->values == NULL)
         return dea_fail(error, DEA_ERR_INPUT, "pwl: it has no points");
     for (size_t i = 0; i < w->point_count; i++) {
-        double time = w->times[i];
-        if (!(time >= 0 && time <= LARGEST_TIME))
-            return dea_fail(error, DEA_ERR_INPUT, "pwl: time of point %zu is %g s; a time from 0 to %g s is needed",
-                            i + 1, time, LARGEST_TIME);
-        if (!(fabs(w->values[i]) <= LARGEST_LEVEL))
-            return dea_fail(error, DEA_ERR_INPUT, "pwl: value of point %zu is %g; a finite number up to %g is needed",
-                            i + 1, w->values[i], LARGEST_LEVEL);
-        if (i == 0)
-            continue;
-        if (time < w->times[i - 1])
-            return dea_fail(error, DEA_ERR_INPUT, "pwl: time of point %zu, %g s, goes back behind %g s", i + 1, time,
-                            w->times[i - 1]);
-        if (time > w->times[i - 1] && time - w->times[i - 1] < SHORTEST_TIME)
-            return dea_fail(error, DEA_ERR_INPUT, "pwl: points %zu and %zu are less than 1 fs apart", i, i + 1);
-        if (i > 1 && time == w->times[i - 2])
-            return dea_fail(error, DEA_ERR_INPUT,
-                            "pwl: points %zu, %zu and %zu have the same time %g s; two make a jump", i - 1, i, i + 1,
-                            time);
+        struct dea_error cause;
+        if (dea_waveform_check_point(w, i, &cause) != DEA_OK)
+            return dea_fail(error, DEA_ERR_INPUT, "pwl: %s", cause.text);
     }
     if (w->repeat && !(w->times[w->point_count - 1] > w->times[0]))
         return dea_fail(error, DEA_ERR_INPUT, "pwl: to repeat, its last point must be later than its first");
