@@ -18,6 +18,7 @@ struct dea_film {
     double capacitance;   /* F, 0 when passive */
     double voltage;       /* V */
     double charge;        /* C */
+    double stiffness;     /* d2 E_total/dx2 of the zone at given voltage and frozen branches, N/m; 0 when slack */
     double pull;          /* force with which the zone pulls the platform to its own side of the frame, N, >= 0 */
     double dlam_dx;       /* 1/m */
     double dlam_de;       /* 1/C or 1/V */

@@ -128,6 +128,11 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
     }
     film->p1 = s.p1;
     film->pull = film->slack ? 0.0 : s.g * per_length;
+    film->stiffness = 0.0;
+    if (!film->slack) { /* at given voltage: charge control is stiffer by (dQ/dx)^2 / C */
+        double extra = control == DEA_CONTROL_CHARGE ? e * e / (s.c * s.c) * s.c1 * s.c1 / s.c : 0.0;
+        film->stiffness = (s.g_lam - extra) * per_length * per_length;
+    }
     film->capacitance = s.c;
     film->voltage = control == DEA_CONTROL_CHARGE ? e / s.c : control == DEA_CONTROL_VOLTAGE ? e : 0.0;
     film->charge = control == DEA_CONTROL_CHARGE ? e : s.c * film->voltage;

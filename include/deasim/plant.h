@@ -1,0 +1,112 @@
+/* The DAE of one device in time, integrated by SUNDIALS IDA: platform, branches, film charges, amplifiers. The state
+ * layout follows the scene: what a scene does not need has no state. Equations: physics.md sections 4 to 9. */
+#ifndef DEASIM_PLANT_H
+#define DEASIM_PLANT_H
+
+#include "deasim/film.h"
+#include "deasim/report.h"
+#include "deasim/result.h"
+#include "deasim/waveform.h"
+
+struct dea_plant;
+
+/* How a zone is driven electrically. */
+enum dea_port_kind {
+    DEA_PORT_PASSIVE, /* no electrode */
+    DEA_PORT_IDEAL,   /* voltage given, no resistance anywhere: no electrical state */
+    DEA_PORT_SOURCE,  /* voltage source behind resistance or amplifier: the film charge is a state */
+    DEA_PORT_CHARGE,  /* film charge given from outside (a circuit) as a cubic in time */
+};
+
+struct dea_port {
+    enum dea_port_kind kind;
+    double resistance;                     /* in series outside the film's own R_e, amplifier output included, Ohm */
+    const struct dea_amplifier *amplifier; /* NULL: none */
+    double peak;                           /* largest expected |voltage|, V, for scales */
+};
+
+struct dea_plant_options {
+    double accuracy;  /* A: promised relative error; sets the integrator's tolerance */
+    double max_step;  /* s, 0: none */
+    double load_peak; /* largest expected |load|, N, for scales */
+    struct dea_port ports[DEA_ZONES];
+};
+
+/* Film charge over one circuit step: q(t) = c0 + c1 d + c2 d^2 + c3 d^3, d = t - start; C and s. */
+struct dea_charge_piece {
+    double start, c[4];
+};
+
+/* Inputs that hold until the caller changes them, at a restart. */
+struct dea_plant_inputs {
+    struct dea_piece source[DEA_ZONES]; /* V, for ideal and source ports */
+    struct dea_charge_piece
+        charge[DEA_ZONES]; /* for charge ports; may change without a restart when q and q' continue */
+    struct dea_piece load; /* N, added to the device's constant load */
+};
+
+/* Creates the DAE of a device; the device must outlive it. *plant is freed with dea_plant_destroy, also NULL. */
+enum dea_status dea_plant_create(const struct dea_device *device, const struct dea_plant_options *options,
+                                 struct dea_plant **plant, struct dea_error *error);
+void dea_plant_destroy(struct dea_plant *plant);
+
+/* "x v | left: xi1 xi2 Q | right: ..." for people; returns buffer. */
+const char *dea_plant_describe(const struct dea_plant *plant, char *buffer, int size);
+
+/* True when no state has a time derivative: the run is a sequence of equilibria. */
+bool dea_plant_is_algebraic(const struct dea_plant *plant);
+
+/* Puts the plant at time t into its start state with the inputs' values there: static equilibrium with relaxed
+ * branches, or fresh branches; given x and v override (NULL: none). DEA_ERR_SOLVER with a message when there is no
+ * equilibrium. */
+enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
+                                enum dea_start start, const double *x, const double *v, struct dea_error *error);
+
+/* Puts new inputs in force at the current time and restarts the integrator with a consistent state; the work done by a
+ * jump of an ideal source is booked. */
+enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
+                                  struct dea_error *error);
+
+/* Replaces the charge polynomials without a restart. */
+void dea_plant_set_charge(struct dea_plant *plant, int zone, const struct dea_charge_piece *piece);
+
+/* Connects a conductance (S) across a film, for breakdown policy "short"; takes effect at the next restart. */
+void dea_plant_short_film(struct dea_plant *plant, int zone, double conductance);
+
+/* Watches these events (bit 1 << kind) by root finding. */
+enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct dea_error *error);
+
+/* What one step met. */
+struct dea_step {
+    double from, to; /* s; dense output is valid in between */
+    bool root;       /* stopped at a root: see dea_plant_roots */
+};
+
+/* One integrator step, not past `limit`. DEA_ERR_SOLVER with the last steps and the reason when it cannot go on. */
+enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea_step *step, struct dea_error *error);
+
+/* Told of one event; zone is -1 for the platform. `cleared`: back on the safe side. */
+typedef void (*dea_event_found)(void *context, enum dea_event_kind kind, int zone, bool cleared);
+
+/* Calls back for each event whose root ended the last step. */
+void dea_plant_roots(struct dea_plant *plant, dea_event_found found, void *context);
+
+/* Calls back for conditions that changed without a root: at the start, and over a jump of the inputs. */
+void dea_plant_conditions(struct dea_plant *plant, dea_event_found found, void *context);
+
+/* Signals: names and units of what dea_plant_signals fills, dea_plant_signal_count of them. */
+int dea_plant_signal_count(const struct dea_plant *plant);
+void dea_plant_signal(const struct dea_plant *plant, int index, struct dea_signal *signal);
+
+/* Signals at time t within the last step (or at its end). */
+enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *values, struct dea_error *error);
+
+/* Energy balance since the start, at the end of the last step. */
+enum dea_status dea_plant_energy(struct dea_plant *plant, struct dea_energy *energy, struct dea_error *error);
+
+/* Integrator statistics so far, restarts included. */
+void dea_plant_stats(const struct dea_plant *plant, struct dea_run_stats *stats);
+
+double dea_plant_time(const struct dea_plant *plant);
+
+#endif

@@ -1,0 +1,22 @@
+/* Runs a scene in time: native sources inside one IDA problem, or a netlist in co-simulation. */
+#ifndef DEASIM_RUN_H
+#define DEASIM_RUN_H
+
+#include "deasim/report.h"
+#include "deasim/result.h"
+#include "deasim/scene.h"
+
+#include <signal.h>
+
+struct dea_run_options {
+    const char *directory;                  /* result files go here; NULL: no files */
+    struct dea_report *report;              /* words; must not be NULL, may be silent */
+    const volatile sig_atomic_t *interrupt; /* set from outside to end the run in order; may be NULL */
+};
+
+/* Runs the scene and fills *result (the caller clears it, also after a failure). Returns the result's status: DEA_OK,
+ * DEA_STOPPED, or a failure with its message in *error; files and *result then hold everything computed so far. */
+enum dea_status dea_run_scene(const struct dea_scene *scene, const struct dea_run_options *options,
+                              struct dea_result *result, struct dea_error *error);
+
+#endif

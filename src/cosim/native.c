@@ -1,0 +1,179 @@
+/* A device on native sources: one IDA problem, restarted only at the corners of the waveforms. */
+#include "cosim/native.h"
+
+#include "cosim/observer.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+/* A punctured film conducts like a carbonised channel; only that it is small against any drive resistance matters. */
+#define SHORT_RESISTANCE 1e3 /* Ohm */
+
+struct native_run {
+    const struct dea_scene *scene;
+    const struct dea_run_options *options;
+    struct dea_plant *plant;
+    struct dea_plant_inputs inputs;
+    struct observer *observer;
+};
+
+/* ---- set-up ---- */
+
+static enum dea_status choose_port(const struct dea_scene *scene, int k, struct dea_port *port,
+                                   struct dea_error *error) {
+    const struct dea_zone *zone = &scene->devices[0].device.zones[k];
+    const struct dea_source *source = &scene->sources[k];
+    *port = (struct dea_port){.kind = DEA_PORT_PASSIVE};
+    if (!zone->present || !zone->electroded)
+        return DEA_OK;
+    port->kind = DEA_PORT_IDEAL; /* without a source the electrode is grounded */
+    if (!source->present)
+        return DEA_OK;
+    port->peak = dea_waveform_peak(&source->waveform);
+    port->resistance = source->resistance;
+    if (source->amplified) {
+        port->amplifier = &source->amplifier;
+        port->resistance += source->amplifier.output_resistance;
+    }
+    if (source->amplified || port->resistance > 0.0 || zone->electrode_resistance > 0.0 || zone->sheet_resistance > 0.0)
+        port->kind = DEA_PORT_SOURCE;
+    else if (scene->policies[DEA_EVENT_BREAKDOWN] == DEA_POLICY_SHORT)
+        return dea_fail(error, DEA_ERR_INPUT,
+                        "%s: events.breakdown: short needs a resistance in drive.%s or its electrode: an ideal source "
+                        "cannot feed a short",
+                        scene->path, dea_zone_names[k]);
+    return DEA_OK;
+}
+
+static unsigned watched_events(const struct dea_scene *scene) {
+    unsigned kinds = 0;
+    for (int kind = 0; kind < DEA_EVENT_COUNT; kind++)
+        if (scene->policies[kind] != DEA_POLICY_IGNORE)
+            kinds |= 1u << kind;
+    return kinds;
+}
+
+static enum dea_status create_plant(struct native_run *run, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    struct dea_plant_options options = {.accuracy = scene->accuracy, .max_step = scene->max_step};
+    if (scene->has_load_waveform)
+        options.load_peak = dea_waveform_peak(&scene->load);
+    options.load_peak += fabs(scene->devices[0].device.load);
+    for (int k = 0; k < DEA_ZONES; k++)
+        DEA_TRY(choose_port(scene, k, &options.ports[k], error));
+    DEA_TRY(dea_plant_create(&scene->devices[0].device, &options, &run->plant, error));
+    DEA_TRY(dea_plant_watch(run->plant, watched_events(scene), error));
+    char states[1024];
+    dea_report_detail(run->options->report, "states: %s", dea_plant_describe(run->plant, states, sizeof states));
+    return DEA_OK;
+}
+
+/* ---- inputs ---- */
+
+/* Pieces that hold just after t. Only those that ended are looked up again. */
+static void set_inputs(struct native_run *run, double t) {
+    const struct dea_scene *scene = run->scene;
+    for (int k = 0; k < DEA_ZONES; k++)
+        if (scene->sources[k].present && !(run->inputs.source[k].end > t))
+            dea_waveform_piece(&scene->sources[k].waveform, t, &run->inputs.source[k]);
+    if (scene->has_load_waveform && !(run->inputs.load.end > t))
+        dea_waveform_piece(&scene->load, t, &run->inputs.load);
+}
+
+static double next_corner(const struct native_run *run) {
+    double corner = run->scene->stop;
+    for (int k = 0; k < DEA_ZONES; k++)
+        corner = fmin(corner, run->inputs.source[k].end);
+    return fmin(corner, run->inputs.load.end);
+}
+
+/* ---- the run ---- */
+
+static enum dea_status apply_policy(struct native_run *run, enum dea_policy policy, int zone, struct dea_error *error) {
+    if (policy == DEA_POLICY_STOP)
+        return DEA_STOPPED;
+    if (policy == DEA_POLICY_SHORT) {
+        dea_plant_short_film(run->plant, zone, 1.0 / SHORT_RESISTANCE);
+        observer_break(run->observer);
+        return dea_plant_restart(run->plant, &run->inputs, error);
+    }
+    return DEA_OK;
+}
+
+/* Until the next corner. */
+static enum dea_status integrate_piece(struct native_run *run, double corner, struct dea_error *error) {
+    double shortest = 16.0 * DBL_EPSILON * corner; /* corners this close are one */
+    while (corner - dea_plant_time(run->plant) > shortest) {
+        if (run->options->interrupt != NULL && *run->options->interrupt != 0)
+            return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted by %s", dea_plant_time(run->plant),
+                            *run->options->interrupt == SIGTERM ? "SIGTERM" : "SIGINT");
+        struct dea_step step;
+        DEA_TRY(dea_plant_step(run->plant, corner, &step, error));
+        DEA_TRY(observer_follow(run->observer, step.from, step.to, error));
+        if (step.root) {
+            int zone;
+            enum dea_policy policy = observer_roots(run->observer, 0, step.to, &zone);
+            DEA_TRY(apply_policy(run, policy, zone, error));
+        }
+    }
+    return DEA_OK;
+}
+
+static enum dea_status start_plant(struct native_run *run, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    /* t = 0 rests on what the drive gave before: a step at 0 is a step */
+    for (int k = 0; k < DEA_ZONES; k++)
+        run->inputs.source[k] =
+            (struct dea_piece){.kind = DEA_PIECE_LINE, .end = scene->sources[k].present ? -INFINITY : INFINITY};
+    run->inputs.load =
+        (struct dea_piece){.kind = DEA_PIECE_LINE, .end = scene->has_load_waveform ? -INFINITY : INFINITY};
+    set_inputs(run, -1.0);
+    DEA_TRY(dea_plant_start(run->plant, 0.0, &run->inputs, scene->start,
+                            scene->has_initial_x ? &scene->initial_x : NULL,
+                            scene->has_initial_v ? &scene->initial_v : NULL, error));
+    return observer_start(run->observer, error);
+}
+
+/* New inputs in force; a jump may have crossed a limit without a root. */
+static enum dea_status turn_corner(struct native_run *run, double corner, struct dea_error *error) {
+    set_inputs(run, corner);
+    DEA_TRY(dea_plant_restart(run->plant, &run->inputs, error));
+    observer_break(run->observer);
+    int zone;
+    enum dea_policy policy = observer_conditions(run->observer, 0, dea_plant_time(run->plant), &zone);
+    return apply_policy(run, policy, zone, error);
+}
+
+static enum dea_status integrate(struct native_run *run, struct dea_error *error) {
+    DEA_TRY(start_plant(run, error));
+    double corner = 0.0;
+    while (corner < run->scene->stop) {
+        DEA_TRY(turn_corner(run, corner, error));
+        corner = next_corner(run);
+        DEA_TRY(integrate_piece(run, corner, error));
+    }
+    return DEA_OK;
+}
+
+enum dea_status run_native(const struct dea_scene *scene, const struct dea_run_options *options,
+                           struct dea_result *result, struct dea_error *error) {
+    struct native_run run = {.scene = scene, .options = options};
+    enum dea_status status = create_plant(&run, error);
+    if (status == DEA_OK) {
+        snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "%s",
+                 dea_plant_is_algebraic(run.plant) ? "static" : "native");
+        status = observer_open(scene, options, scene->stop, &run.plant, 1, result, &run.observer, error);
+    }
+    if (status == DEA_OK) {
+        dea_report_begin(options->report);
+        status = integrate(&run, error);
+        dea_report_end(options->report);
+        enum dea_status closed =
+            observer_close(run.observer, dea_plant_time(run.plant), status < 0, status >= 0 ? error : NULL);
+        if (closed != DEA_OK && status >= 0)
+            status = closed;
+    }
+    dea_plant_destroy(run.plant);
+    return status;
+}

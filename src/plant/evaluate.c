@@ -1,0 +1,179 @@
+/* The physics of a state: each zone's film, currents, the force on the platform, rates of change and of energy. */
+#include "plant/integrator.h"
+
+#include <math.h>
+
+double plant_charge_value(const struct dea_charge_piece *piece, double t, double *rate) {
+    double d = t - piece->start;
+    const double *c = piece->c;
+    if (rate != NULL)
+        *rate = c[1] + d * (2.0 * c[2] + d * 3.0 * c[3]);
+    return c[0] + d * (c[1] + d * (c[2] + d * c[3]));
+}
+
+/* Leakage through the film, area and field of the deformed film (physics.md section 6), plus a short. */
+void plant_leak_through_film(const struct dea_plant *plant, int k, struct zone_point *point) {
+    const struct dea_device *device = plant->device;
+    double v = point->film.voltage, lam = point->film.lam, shunt = plant->short_conductance[k];
+    point->leak = shunt * v;
+    point->leak_v = shunt;
+    point->leak_lam = 0.0;
+    if (device->material.dielectric.conductivity <= 0.0)
+        return;
+    double per_lam = device->width * device->zones[k].length / device->prestretch[0];
+    double field_per_volt = lam / (device->thickness * device->prestretch[0]);
+    double slope, density = dea_leakage_density(&device->material.dielectric, v * field_per_volt, &slope);
+    point->leak += density * per_lam * lam;
+    point->leak_v += slope * field_per_volt * per_lam * lam;
+    point->leak_lam += slope * v * field_per_volt * per_lam + density * per_lam;
+}
+
+/* Current of a source port through its resistances, limited by the amplifier. */
+void plant_drive_current(const struct dea_plant *plant, int k, struct zone_point *point) {
+    const struct dea_port *port = &plant->options.ports[k];
+    double slope, resistance = port->resistance + dea_zone_resistance(plant->device, k, point->film.lam, &slope);
+    point->current = (point->emf - point->film.voltage) / resistance;
+    point->current_v = -1.0 / resistance;
+    point->current_emf = 1.0 / resistance;
+    point->current_lam = -point->current * slope / resistance;
+    double limit = port->amplifier != NULL ? port->amplifier->current_limit : INFINITY;
+    if (fabs(point->current) > limit) {
+        point->current = copysign(limit, point->current);
+        point->current_v = point->current_emf = point->current_lam = 0.0;
+    }
+}
+
+static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, const double *y, double x,
+                                     bool with_derivatives) {
+    const struct zone_layout *zone = &plant->zones[k];
+    struct zone_point *point = &plant->points[k];
+    for (int i = 0; zone->branch != ABSENT && i < 2 * plant->device->material.branch_count; i++)
+        point->states[i] = y[zone->branch + i] * plant->scale[zone->branch + i];
+
+    /* what is given on the electrical side */
+    point->e = point->e_rate = point->emf = point->emf_rate = 0.0;
+    if (zone->kind == DEA_PORT_IDEAL) {
+        point->e = point->emf = dea_piece_value(&plant->inputs.source[k], t, &point->e_rate);
+    } else if (zone->kind == DEA_PORT_CHARGE) {
+        point->e = plant_charge_value(&plant->inputs.charge[k], t, &point->e_rate);
+    } else if (zone->kind == DEA_PORT_SOURCE) {
+        point->e = y[zone->charge] * plant->scale[zone->charge];
+        point->emf = dea_piece_value(&plant->inputs.source[k], t, &point->emf_rate);
+        if (zone->amplifier != ABSENT)
+            point->emf = y[zone->amplifier] * plant->scale[zone->amplifier];
+    }
+    if (dea_film_respond(plant->device, k, zone->control, x, point->e, point->states, with_derivatives, point->branches,
+                         &point->film) != DEA_OK) {
+        plant->trouble = k == 0 ? "the left zone left the model (elastic limit, collapse or pull-in)"
+                                : "the right zone left the model (elastic limit, collapse or pull-in)";
+        return DEA_RECOVERABLE;
+    }
+    if (zone->kind != DEA_PORT_PASSIVE)
+        plant_leak_through_film(plant, k, point);
+    if (zone->kind == DEA_PORT_SOURCE)
+        plant_drive_current(plant, k, point);
+    return DEA_OK;
+}
+
+enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
+                               bool with_derivatives) {
+    const struct dea_device *device = plant->device;
+    double x = y[plant->x] * plant->scale[plant->x];
+    plant->force = device->load + dea_piece_value(&plant->inputs.load, t, NULL);
+    for (int k = 0; k < DEA_ZONES; k++) {
+        if (!plant->zones[k].present)
+            continue;
+        DEA_TRY(evaluate_zone(plant, k, t, y, x, with_derivatives));
+        plant->force -= device->zones[k].side * plant->points[k].film.pull;
+    }
+    plant->force += dea_stop_force(device, x, rate_x, &plant->force_x, &plant->force_v, NULL, &plant->stop_loss);
+    return DEA_OK;
+}
+
+double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp) {
+    if (plant->motion == MOTION_INERTIAL)
+        return y[plant->v] * plant->scale[plant->v];
+    return plant->motion == MOTION_VISCOUS ? yp[plant->x] * plant->scale[plant->x] : 0.0;
+}
+
+void plant_rates(const struct dea_plant *plant, double t, const double *y, double *rates) {
+    const struct dea_device *device = plant->device;
+    const double *scale = plant->scale;
+    rates[plant->x] = 0.0;
+    if (plant->motion == MOTION_INERTIAL) {
+        double v = y[plant->v] * scale[plant->v];
+        rates[plant->x] = v / scale[plant->x];
+        rates[plant->v] = (plant->force - device->damping * v) / (device->effective_mass * scale[plant->v]);
+    } else if (plant->motion == MOTION_VISCOUS) {
+        rates[plant->x] = plant->force / (device->damping * scale[plant->x]);
+    }
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct zone_layout *zone = &plant->zones[k];
+        const struct zone_point *point = &plant->points[k];
+        if (zone->branch != ABSENT)
+            for (int b = 0; b < device->material.branch_count; b++)
+                for (int i = 0; i < 2; i++)
+                    rates[zone->branch + 2 * b + i] = point->branches[b].rate[i] / scale[zone->branch + 2 * b + i];
+        if (zone->amplifier != ABSENT) {
+            double command = dea_piece_value(&plant->inputs.source[k], t, NULL);
+            double rate = zone->pole * (command - point->emf);
+            rates[zone->amplifier] = fmax(-zone->slew, fmin(zone->slew, rate)) / scale[zone->amplifier];
+        }
+        if (zone->charge != ABSENT)
+            rates[zone->charge] = (point->current - point->leak) / scale[zone->charge];
+    }
+}
+
+double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates) {
+    const struct dea_device *device = plant->device;
+    double by_x = plant->force_x, by_time;
+    dea_piece_value(&plant->inputs.load, t, &by_time);
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct zone_layout *zone = &plant->zones[k];
+        if (!zone->present)
+            continue;
+        const struct zone_point *point = &plant->points[k];
+        double side = device->zones[k].side, e_rate = point->e_rate;
+        if (zone->charge != ABSENT)
+            e_rate = rates[zone->charge] * plant->scale[zone->charge];
+        by_x -= side * point->film.dpull_dx;
+        by_time -= side * point->film.dpull_de * e_rate;
+        if (zone->branch != ABSENT)
+            for (int b = 0; b < device->material.branch_count; b++)
+                for (int i = 0; i < 2; i++)
+                    by_time -= side * point->film.dpull_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
+    }
+    return by_x != 0.0 ? -by_time / by_x : 0.0;
+}
+
+void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses) {
+    const struct dea_device *device = plant->device;
+    for (int i = 0; i < LOSS_COUNT; i++)
+        losses[i] = 0.0;
+    /* F dx = d(F x) - x dF for the imposed part of the load; the constant part is a potential */
+    double load_rate;
+    dea_piece_value(&plant->inputs.load, t, &load_rate);
+    losses[LOSS_LOAD] = -x * load_rate;
+    losses[LOSS_DAMPING] = device->damping * rate_x * rate_x;
+    losses[LOSS_STOP] = plant->stop_loss;
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct zone_layout *zone = &plant->zones[k];
+        if (!zone->present)
+            continue;
+        const struct zone_point *point = &plant->points[k];
+        for (int b = 0; b < device->material.branch_count; b++)
+            losses[LOSS_BRANCH] += device->zones[k].volume * point->branches[b].dissipation;
+        if (zone->kind == DEA_PORT_PASSIVE)
+            continue;
+        double leaked = point->film.voltage * point->leak;
+        losses[LOSS_LEAKAGE] += leaked;
+        if (zone->kind == DEA_PORT_SOURCE) {
+            losses[LOSS_WORK] += point->emf * point->current;
+            losses[LOSS_RESISTIVE] += (point->emf - point->film.voltage) * point->current;
+        } else if (zone->kind == DEA_PORT_IDEAL) { /* V dQ = d(Q V) - Q dV: needs no rate of an algebraic unknown */
+            losses[LOSS_WORK] += leaked - point->film.charge * point->e_rate;
+        } else {
+            losses[LOSS_WORK] += leaked + point->film.voltage * point->e_rate;
+        }
+    }
+}

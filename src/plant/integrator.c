@@ -1,0 +1,295 @@
+/* SUNDIALS IDA around the plant: set-up, steps, restarts, statistics, and words for its failures. */
+#include "plant/integrator.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Integrator tolerance for an asked accuracy A. The global error of a run is larger than the local one IDA controls;
+ * factor and exponent were found by tests/stress/accuracy, which asks A = 1e-2 .. 1e-8 of many scenes and measures what
+ * is delivered. */
+#define TOLERANCE_FACTOR 0.1
+#define TOLERANCE_EXPONENT 1.0
+/* Smallest tolerance double precision carries through a BDF step. */
+#define TOLERANCE_FLOOR 1e-13
+
+/* Before an unknown has moved, it is weighed as if it had already this part of its expected size. */
+#define EXPECTED_PART 1e-3
+
+#define MAX_STANDSTILL 200 /* steps without progress in time */
+
+/* ---- set-up ---- */
+
+static int weigh(N_Vector y, N_Vector weights, void *context) {
+    struct dea_plant *plant = context;
+    const double *u = N_VGetArrayPointer(y);
+    double *w = N_VGetArrayPointer(weights);
+    for (int i = 0; i < plant->state_count; i++)
+        w[i] = 1.0 / (plant->rtol * fmax(fabs(u[i]), plant->largest[i]));
+    return 0;
+}
+
+/* IDA's own messages would go to stderr; the status codes say the same. */
+static void drop_message(int code, const char *module, const char *function, char *message, void *context) {
+    (void)code, (void)module, (void)function, (void)message, (void)context;
+}
+
+static bool make_vectors(struct dea_plant *plant) {
+    sunindextype n = plant->state_count;
+    N_Vector *vectors[] = {&plant->y, &plant->yp, &plant->id, &plant->rates, &plant->sample_y, &plant->sample_yp};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
+        *vectors[i] = N_VNew_Serial(n, plant->context);
+        if (*vectors[i] == NULL)
+            return false;
+        N_VConst(0.0, *vectors[i]);
+    }
+    plant->quad = N_VNew_Serial(LOSS_COUNT, plant->context);
+    plant->sample_quad = N_VNew_Serial(LOSS_COUNT, plant->context);
+    if (plant->quad == NULL || plant->sample_quad == NULL)
+        return false;
+    N_VConst(0.0, plant->quad);
+    N_VConst(1.0, plant->id);
+    if (plant->motion == MOTION_ALGEBRAIC)
+        N_VGetArrayPointer(plant->id)[plant->x] = 0.0;
+    return true;
+}
+
+/* Energy the drive moves, J: the yardstick of the loss integrals. */
+static double expect_energy(const struct dea_plant *plant) {
+    const struct dea_device *device = plant->device;
+    double x = plant->scale[plant->x], energy = 0.5 * device->stiffness * x * x;
+    for (int k = 0; k < DEA_ZONES; k++)
+        energy += 0.5 * device->zones[k].rest_capacitance * plant->options.ports[k].peak * plant->options.ports[k].peak;
+    return energy;
+}
+
+static enum dea_status set_up_ida(struct dea_plant *plant, struct dea_error *error) {
+    void *ida = plant->ida = IDACreate(plant->context);
+    if (ida == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "cannot create the integrator");
+    bool good = IDASetErrHandlerFn(ida, drop_message, NULL) == IDA_SUCCESS;
+    good = good && IDAInit(ida, plant_residual, 0.0, plant->y, plant->yp) == IDA_SUCCESS;
+    good = good && IDASetUserData(ida, plant) == IDA_SUCCESS && IDAWFtolerances(ida, weigh) == IDA_SUCCESS;
+    good = good && IDASetId(ida, plant->id) == IDA_SUCCESS;
+    good = good && IDASetLinearSolver(ida, plant->solver, plant->matrix) == IDA_SUCCESS;
+    good = good && IDASetJacFn(ida, plant_jacobian) == IDA_SUCCESS;
+    good = good && IDAQuadInit(ida, plant_quadrature, plant->quad) == IDA_SUCCESS;
+    good = good && IDAQuadSStolerances(ida, plant->rtol, plant->rtol * expect_energy(plant)) == IDA_SUCCESS;
+    good = good && IDASetQuadErrCon(ida, SUNTRUE) == IDA_SUCCESS;
+    if (plant->options.max_step > 0.0)
+        good = good && IDASetMaxStep(ida, plant->options.max_step) == IDA_SUCCESS;
+    return good ? DEA_OK : dea_fail(error, DEA_ERR_INTERNAL, "cannot set up the integrator");
+}
+
+enum dea_status dea_plant_create(const struct dea_device *device, const struct dea_plant_options *options,
+                                 struct dea_plant **created, struct dea_error *error) {
+    *created = NULL;
+    struct dea_plant *plant = calloc(1, sizeof *plant);
+    if (plant == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
+    plant->device = device;
+    plant->options = *options;
+    plant->rtol = fmax(TOLERANCE_FACTOR * pow(options->accuracy, TOLERANCE_EXPONENT), TOLERANCE_FLOOR);
+    for (int k = 0; k < DEA_ZONES; k++)
+        plant->inputs.source[k].end = INFINITY;
+    enum dea_status status = plant_lay_out(plant, error);
+    if (status == DEA_OK && SUNContext_Create(NULL, &plant->context) != 0)
+        status = dea_fail(error, DEA_ERR_MEMORY, "cannot create the SUNDIALS context");
+    if (status == DEA_OK && !make_vectors(plant))
+        status = dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d states", plant->state_count);
+    if (status == DEA_OK)
+        status = plant_make_matrix(plant, error);
+    if (status == DEA_OK)
+        status = set_up_ida(plant, error);
+    if (status != DEA_OK) {
+        dea_plant_destroy(plant);
+        return status;
+    }
+    *created = plant;
+    return DEA_OK;
+}
+
+void dea_plant_destroy(struct dea_plant *plant) {
+    if (plant == NULL)
+        return;
+    if (plant->ida != NULL)
+        IDAFree(&plant->ida);
+    if (plant->solver != NULL)
+        SUNLinSolFree(plant->solver);
+    if (plant->matrix != NULL)
+        SUNMatDestroy(plant->matrix);
+    N_Vector vectors[] = {plant->y,        plant->yp,        plant->id,   plant->rates,
+                          plant->sample_y, plant->sample_yp, plant->quad, plant->sample_quad};
+    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
+        if (vectors[i] != NULL)
+            N_VDestroy(vectors[i]);
+    if (plant->context != NULL)
+        SUNContext_Free(&plant->context);
+    for (int k = 0; k < DEA_ZONES; k++) {
+        free(plant->points[k].branches);
+        free(plant->points[k].states);
+    }
+    free(plant->scale);
+    free(plant->largest);
+    free(plant->slots);
+    free(plant);
+}
+
+/* ---- restarts ---- */
+
+/* IDA's counters begin anew at each restart; keep the sum. */
+static void collect_stats(const struct dea_plant *plant, struct dea_run_stats *stats) {
+    long steps = 0, residuals = 0, setups = 0, test_failures = 0, iterations = 0, convergence_failures = 0,
+         jacobians = 0;
+    int last_order, current_order;
+    double first, last, current, t;
+    *stats = plant->stats;
+    if (!plant->integrating ||
+        IDAGetIntegratorStats(plant->ida, &steps, &residuals, &setups, &test_failures, &last_order, &current_order,
+                              &first, &last, &current, &t) != IDA_SUCCESS ||
+        IDAGetNonlinSolvStats(plant->ida, &iterations, &convergence_failures) != IDA_SUCCESS ||
+        IDAGetNumJacEvals(plant->ida, &jacobians) != IDA_SUCCESS)
+        return;
+    stats->plant_steps += steps;
+    stats->plant_rejected += test_failures + convergence_failures;
+    stats->residuals += residuals;
+    stats->jacobians += jacobians;
+    stats->newton_iterations += iterations;
+}
+
+void dea_plant_stats(const struct dea_plant *plant, struct dea_run_stats *stats) {
+    collect_stats(plant, stats);
+}
+
+/* A sine or chirp must not be stepped over whole periods. */
+static double limit_step(const struct dea_plant *plant) {
+    double limit = plant->options.max_step > 0.0 ? plant->options.max_step : INFINITY;
+    const struct dea_piece *pieces[] = {&plant->inputs.load, &plant->inputs.source[0], &plant->inputs.source[1]};
+    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++)
+        if (pieces[i]->kind != DEA_PIECE_LINE && pieces[i]->omega > 0.0)
+            limit = fmin(limit, 0.25 * 2.0 * M_PI / pieces[i]->omega);
+    return limit;
+}
+
+enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_error *error) {
+    collect_stats(plant, &plant->stats);
+    const double *y = N_VGetArrayPointer(plant->y);
+    for (int i = 0; i < plant->state_count; i++)
+        plant->largest[i] = fmax(fmax(plant->largest[i], EXPECTED_PART), fabs(y[i]));
+    plant->integrating = false;
+    double step = limit_step(plant);
+    bool good = IDAReInit(plant->ida, plant->t, plant->y, plant->yp) == IDA_SUCCESS;
+    good = good && IDAQuadReInit(plant->ida, plant->quad) == IDA_SUCCESS;
+    good = good && IDASetMaxStep(plant->ida, isinf(step) ? 0.0 : step) == IDA_SUCCESS;
+    return good ? DEA_OK : dea_fail(error, DEA_ERR_INTERNAL, "t = %.9g s: cannot restart the integrator", plant->t);
+}
+
+void dea_plant_set_charge(struct dea_plant *plant, int zone, const struct dea_charge_piece *piece) {
+    plant->inputs.charge[zone] = *piece;
+}
+
+void dea_plant_short_film(struct dea_plant *plant, int zone, double conductance) {
+    plant->short_conductance[zone] = conductance;
+}
+
+/* ---- steps ---- */
+
+static const char *explain(int flag) {
+    switch (flag) {
+    case IDA_ERR_FAIL:
+        return "the error test failed again and again: the step shrank without getting accurate enough";
+    case IDA_CONV_FAIL:
+        return "Newton's method did not converge with ever shorter steps";
+    case IDA_LSETUP_FAIL:
+    case IDA_LSOLVE_FAIL:
+        return "the linear system is singular: the platform's position is undetermined or at a limit point";
+    case IDA_RES_FAIL:
+    case IDA_REP_RES_ERR:
+    case IDA_FIRST_RES_FAIL:
+        return "the state left the model and shorter steps did not bring it back";
+    case IDA_ILL_INPUT:
+        return "an event holds at the restart and right after it";
+    case IDA_TOO_MUCH_ACC:
+        return "the accuracy asked for is beyond double precision";
+    case IDA_REP_QRHS_ERR:
+    case IDA_QRHS_FAIL:
+    case IDA_FIRST_QRHS_ERR:
+        return "the loss integrals left the model";
+    default:
+        return "the integrator failed";
+    }
+}
+
+static enum dea_status report_failure(const struct dea_plant *plant, const char *why, int flag,
+                                      struct dea_error *error) {
+    char steps[512] = "";
+    int used = 0, kept = (int)(sizeof plant->trail / sizeof plant->trail[0]);
+    long first = plant->trail_length > kept ? plant->trail_length - kept : 0;
+    for (long i = first; i < plant->trail_length && used < (int)sizeof steps - 64; i++)
+        used += snprintf(steps + used, sizeof steps - (size_t)used, "\n  t = %.12g s  dt = %.3g s  order %d",
+                         plant->trail[i % kept].t, plant->trail[i % kept].h, plant->trail[i % kept].order);
+    return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: %s (IDA %d)%s%s%s%s", plant->t, why, flag,
+                    plant->trouble != NULL ? "; " : "", plant->trouble != NULL ? plant->trouble : "",
+                    used > 0 ? "\nlast steps:" : "", steps);
+}
+
+static void note_step(struct dea_plant *plant) {
+    int kept = (int)(sizeof plant->trail / sizeof plant->trail[0]), order = 0;
+    double h = 0.0;
+    if (IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS || IDAGetLastOrder(plant->ida, &order) != IDA_SUCCESS)
+        return;
+    plant->trail[plant->trail_length % kept].t = plant->t;
+    plant->trail[plant->trail_length % kept].h = h;
+    plant->trail[plant->trail_length % kept].order = order;
+    plant->trail_length++;
+    const double *y = N_VGetArrayPointer(plant->y);
+    for (int i = 0; i < plant->state_count; i++)
+        plant->largest[i] = fmax(plant->largest[i], fabs(y[i]));
+}
+
+/* Work moved during the step, for the audit's denominator. */
+static void note_work(struct dea_plant *plant) {
+    const double *quad = N_VGetArrayPointer(plant->quad), *y = N_VGetArrayPointer(plant->y);
+    double x = y[plant->x] * plant->scale[plant->x], imposed[2], work[2];
+    plant_imposed_energy(plant, plant->t, x, imposed);
+    work[0] = quad[LOSS_WORK] + imposed[0] - plant->imposed_at_start[0] + plant->jump_work[0];
+    work[1] = quad[LOSS_LOAD] + imposed[1] - plant->imposed_at_start[1] + plant->jump_work[1] +
+              plant->device->load * (x - plant->start_x);
+    plant->moved += fabs(work[0] - plant->work_seen[0]) + fabs(work[1] - plant->work_seen[1]);
+    plant->work_seen[0] = work[0];
+    plant->work_seen[1] = work[1];
+    if (plant->v != ABSENT) {
+        double v = y[plant->v] * plant->scale[plant->v];
+        plant->kinetic = fmax(plant->kinetic, 0.5 * plant->device->effective_mass * v * v);
+    }
+}
+
+enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea_step *step, struct dea_error *error) {
+    double reached = plant->t, quad_time;
+    if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);
+    plant->trouble = NULL;
+    int flag = IDASolve(plant->ida, limit, &reached, plant->y, plant->yp, IDA_ONE_STEP);
+    if (flag < 0)
+        return report_failure(plant, explain(flag), flag, error);
+    plant->integrating = true;
+    plant->t_previous = plant->t;
+    plant->t = reached;
+    if (IDAGetQuad(plant->ida, &quad_time, plant->quad) != IDA_SUCCESS ||
+        (flag == IDA_ROOT_RETURN && IDAGetQuadDky(plant->ida, reached, 0, plant->quad) != IDA_SUCCESS))
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no loss integrals", reached);
+    note_step(plant);
+    note_work(plant);
+    plant->standstill = reached > plant->t_previous ? 0 : plant->standstill + 1;
+    if (plant->standstill > MAX_STANDSTILL)
+        return report_failure(plant, "the run is not advancing any more", flag, error);
+    *step = (struct dea_step){plant->t_previous, plant->t, flag == IDA_ROOT_RETURN};
+    if (step->root && IDAGetRootInfo(plant->ida, plant->root_hits) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no information on the event", reached);
+    return DEA_OK;
+}
+
+double dea_plant_time(const struct dea_plant *plant) {
+    return plant->t;
+}

@@ -1,0 +1,18 @@
+/* Between start.c and integrator.c: the part of the integrator that restarts use. */
+#ifndef DEASIM_PLANT_INTEGRATOR_H
+#define DEASIM_PLANT_INTEGRATOR_H
+
+#include "plant/plant_internal.h"
+
+/* Puts IDA to (t, y, yp) with the quadratures as they stand, first order, no history. */
+enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_error *error);
+
+/* Notes the stored energy and boundary terms the audit starts from. */
+enum dea_status plant_open_books(struct dea_plant *plant, struct dea_error *error);
+
+/* evaluate.c: pieces of a zone's evaluation that the static start uses too. */
+void plant_leak_through_film(const struct dea_plant *plant, int zone, struct zone_point *point);
+void plant_drive_current(const struct dea_plant *plant, int zone, struct zone_point *point);
+double plant_charge_value(const struct dea_charge_piece *piece, double t, double *rate);
+
+#endif

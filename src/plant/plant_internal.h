@@ -1,0 +1,166 @@
+/* The plant's inside, shared by the files of this room. Unknowns are scaled: y_i = state_i / scale_i, so that
+ * tolerances and pivots see numbers of order one. */
+#ifndef DEASIM_PLANT_INTERNAL_H
+#define DEASIM_PLANT_INTERNAL_H
+
+#include "deasim/plant.h"
+
+#include <idas/idas.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
+
+enum { ABSENT = -1, MAX_ROOTS = DEA_EVENT_COUNT * (DEA_ZONES + 1) };
+
+/* Parts of the energy balance carried as quadratures. */
+enum plant_loss {
+    LOSS_WORK,
+    LOSS_LOAD,
+    LOSS_BRANCH,
+    LOSS_DAMPING,
+    LOSS_RESISTIVE,
+    LOSS_LEAKAGE,
+    LOSS_STOP,
+    LOSS_COUNT
+};
+
+/* How the platform's position is found. */
+enum plant_motion {
+    MOTION_INERTIAL,  /* x' = v, m v' = force */
+    MOTION_VISCOUS,   /* m = 0: c x' = force */
+    MOTION_ALGEBRAIC, /* m = 0, c = 0: force = 0 */
+};
+
+/* Where a zone's states are; ABSENT where it has none. */
+struct zone_layout {
+    bool present;
+    enum dea_port_kind kind;
+    enum dea_control control;
+    int branch;    /* first of 2 branch_count states */
+    int charge;    /* film charge */
+    int amplifier; /* commanded voltage behind slew limit and pole */
+    double pole;   /* of the amplifier, rad/s */
+    double slew;   /* V/s */
+};
+
+/* One zone evaluated at a state. Partial derivatives of the film current are at fixed charge/voltage and stretch. */
+struct zone_point {
+    struct dea_film film;
+    struct dea_branch_response *branches;
+    double *states;     /* branch states, unscaled */
+    double e, e_rate;   /* given electrical quantity (C or V) and its rate when imposed from outside */
+    double emf;         /* V behind the series resistance */
+    double emf_rate;    /* V/s, for an imposed emf */
+    double current;     /* into the port, A */
+    double leak;        /* through the film, A */
+    double charge_rate; /* dQ/dt of an imposed voltage or charge, A; for the signals */
+    double current_v, current_emf, current_lam; /* derivatives of current */
+    double leak_v, leak_lam;                    /* derivatives of leak */
+};
+
+struct dea_plant {
+    const struct dea_device *device;
+    struct dea_plant_options options;
+    struct dea_plant_inputs inputs;
+
+    /* layout */
+    enum plant_motion motion;
+    int x, v; /* v is ABSENT without mass */
+    struct zone_layout zones[DEA_ZONES];
+    int state_count;
+    double *scale;                       /* SI per unit of each unknown */
+    double short_conductance[DEA_ZONES]; /* S */
+
+    /* scratch of the last evaluation */
+    struct zone_point points[DEA_ZONES];
+    double force;            /* on the platform without damping, N */
+    double force_x, force_v; /* its derivatives from load and stops, N/m, N s/m */
+    double stop_loss;        /* W */
+
+    /* integrator */
+    SUNContext context;
+    void *ida;
+    N_Vector y, yp, id, rates, sample_y, sample_yp, quad, sample_quad;
+    SUNMatrix matrix;
+    SUNLinearSolver solver;
+    double *largest; /* running maximum of |y_i|, for the weights */
+    double rtol;
+    int *slots; /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
+    bool sparse, slack_pattern;
+    double t, t_previous;
+    bool integrating; /* IDA holds a valid history */
+
+    /* events */
+    int root_count;
+    struct {
+        enum dea_event_kind kind;
+        int zone;
+        int sign;
+    } roots[MAX_ROOTS];
+    int root_hits[MAX_ROOTS];
+    bool violated[MAX_ROOTS]; /* as last told to the caller */
+
+    /* audit */
+    double stored_at_start;     /* J */
+    double imposed_at_start[2]; /* J: sum of Q V of ideal ports; load times x */
+    double jump_work[2];        /* J, booked at jumps: electrical, load */
+    double start_x;             /* m */
+    double moved;               /* J, sum over steps of |electrical work| + |load work| */
+    double work_seen[2];        /* J, both at the last step */
+    double kinetic;             /* J, largest so far */
+
+    /* statistics of finished integrator stretches */
+    struct dea_run_stats stats;
+    struct {
+        double t, h;
+        int order;
+    } trail[8]; /* last steps, for diagnosis */
+    long trail_length;
+    int standstill;      /* steps in a row without progress in time */
+    const char *trouble; /* why the residual last refused a state, static text */
+};
+
+/* layout.c */
+enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error);
+
+/* evaluate.c: fills points and force at time t from scaled unknowns. */
+enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
+                               bool with_derivatives);
+/* Right side of each differential unknown (scaled), with 0 for algebraic ones. Uses the last evaluation. */
+void plant_rates(const struct dea_plant *plant, double t, const double *y, double *rates);
+/* Rates of the energy balance, W, LOSS_COUNT of them. Uses the last evaluation. */
+void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses);
+/* Velocity of the platform from the unknowns (m/s); `yp` serves the massless cases. */
+double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp);
+/* dx/dt of a massless, undamped platform, from the derivative of the force balance. Uses the last evaluation. */
+double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);
+
+/* jacobian.c */
+enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *error);
+int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector residual, SUNMatrix matrix,
+                   void *context, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3);
+
+/* residual.c */
+int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, void *context);
+int plant_quadrature(sunrealtype t, N_Vector y, N_Vector yp, N_Vector rates, void *context);
+
+/* balance.c: equilibria */
+/* Platform position where the net force vanishes at given electrical state, from x0 downhill to the first one. */
+typedef enum dea_status (*balance_force)(void *context, double x, double *force);
+enum dea_status plant_find_balance(balance_force force, void *context, double x0, double stride, double force_scale,
+                                   double *x);
+/* Static equilibrium of a device with relaxed branches at given film voltages and extra load; any number of zones. */
+enum dea_status plant_find_equilibrium(const struct dea_device *device, const double voltages[DEA_ZONES], double load,
+                                       double *x);
+
+/* events.c */
+int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context);
+
+/* signals.c */
+/* Energy stored in films, platform and stops, J. Uses the last evaluation. */
+enum dea_status plant_stored_energy(struct dea_plant *plant, const double *y, double *energy);
+/* [0] sum of Q V over ideal ports, [1] load times x (J): boundary terms of the imposed work. Uses the last evaluation.
+ */
+void plant_imposed_energy(const struct dea_plant *plant, double t, double x, double imposed[2]);
+
+#endif

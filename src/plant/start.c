@@ -1,0 +1,251 @@
+/* Consistent states: the static start, and restarts where inputs jump. Closed forms give every derivative, so IDACalcIC
+ * and its guesses are not needed. */
+#include "plant/integrator.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the start ---- */
+
+/* Forces at position x with each zone's electrical state at rest and its branches relaxed or as they are. */
+struct rest_task {
+    struct dea_plant *plant;
+    struct dea_device elastic; /* the device without branches, used while they are relaxed */
+    bool relaxed;
+    double t;
+    struct dea_film films[DEA_ZONES]; /* of the last position */
+};
+
+/* Film voltage behind a resistance once the current only feeds the leakage: (emf - V)/R = leak(V), falling in V. */
+static enum dea_status settle_film_voltage(struct rest_task *task, const struct dea_device *device, int k, double x,
+                                           double emf) {
+    struct dea_plant *plant = task->plant;
+    struct zone_point *point = &plant->points[k];
+    double low = fmin(0.0, emf), high = fmax(0.0, emf), v = emf;
+    for (int i = 0; i < 200; i++) {
+        DEA_TRY(dea_film_respond(device, k, DEA_CONTROL_VOLTAGE, x, v, point->states, false, point->branches,
+                                 &task->films[k]));
+        if (device->material.dielectric.conductivity <= 0.0)
+            return DEA_OK;
+        point->film = task->films[k];
+        point->emf = emf;
+        plant_leak_through_film(plant, k, point);
+        plant_drive_current(plant, k, point);
+        double surplus = point->current - point->leak, slope = point->current_v - point->leak_v,
+               next = v - surplus / slope;
+        if (surplus > 0.0)
+            low = v;
+        else
+            high = v;
+        if (!(next > low && next < high))
+            next = 0.5 * (low + high);
+        if (fabs(next - v) <= 1e-15 * fabs(emf))
+            return DEA_OK;
+        v = next;
+    }
+    return DEA_OK;
+}
+
+static enum dea_status rest_force(void *context, double x, double *force) {
+    struct rest_task *task = context;
+    struct dea_plant *plant = task->plant;
+    const struct dea_device *device = task->relaxed ? &task->elastic : plant->device;
+    *force = device->load + dea_piece_value(&plant->inputs.load, task->t, NULL);
+    *force += dea_stop_force(device, x, 0.0, NULL, NULL, NULL, NULL);
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct zone_layout *zone = &plant->zones[k];
+        struct zone_point *point = &plant->points[k];
+        if (!zone->present)
+            continue;
+        if (zone->kind == DEA_PORT_SOURCE) {
+            DEA_TRY(settle_film_voltage(task, device, k, x, dea_piece_value(&plant->inputs.source[k], task->t, NULL)));
+        } else {
+            double e = zone->kind == DEA_PORT_IDEAL    ? dea_piece_value(&plant->inputs.source[k], task->t, NULL)
+                       : zone->kind == DEA_PORT_CHARGE ? plant_charge_value(&plant->inputs.charge[k], task->t, NULL)
+                                                       : 0.0;
+            DEA_TRY(dea_film_respond(device, k, zone->control, x, e, point->states, false, point->branches,
+                                     &task->films[k]));
+        }
+        *force -= device->zones[k].side * task->films[k].pull;
+    }
+    return DEA_OK;
+}
+
+static double shortest_zone(const struct dea_device *device) {
+    double shortest = INFINITY;
+    for (int k = 0; k < DEA_ZONES; k++)
+        if (device->zones[k].present)
+            shortest = fmin(shortest, device->zones[k].length);
+    return shortest;
+}
+
+static void set_fresh_branches(struct dea_plant *plant) {
+    const struct dea_material *material = &plant->device->material;
+    for (int k = 0; k < DEA_ZONES; k++)
+        for (int b = 0; b < material->branch_count; b++)
+            dea_branch_fresh(&material->branches[b], plant->device->prestretch, plant->points[k].states + 2 * b);
+}
+
+/* Writes the resting films into the unknowns. */
+static void store_rest(struct dea_plant *plant, const struct rest_task *task, double x, double v) {
+    const struct dea_material *material = &plant->device->material;
+    double *y = N_VGetArrayPointer(plant->y);
+    y[plant->x] = x / plant->scale[plant->x];
+    if (plant->v != ABSENT)
+        y[plant->v] = v / plant->scale[plant->v];
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct zone_layout *zone = &plant->zones[k];
+        if (!zone->present)
+            continue;
+        double *states = plant->points[k].states;
+        for (int b = 0; zone->branch != ABSENT && b < material->branch_count; b++) {
+            if (task->relaxed)
+                dea_branch_relaxed(&material->branches[b], plant->device->prestretch, task->films[k].lam,
+                                   states + 2 * b);
+            for (int i = 0; i < 2; i++)
+                y[zone->branch + 2 * b + i] = states[2 * b + i] / plant->scale[zone->branch + 2 * b + i];
+        }
+        if (zone->amplifier != ABSENT)
+            y[zone->amplifier] =
+                dea_piece_value(&plant->inputs.source[k], task->t, NULL) / plant->scale[zone->amplifier];
+        if (zone->charge != ABSENT)
+            y[zone->charge] = task->films[k].charge / plant->scale[zone->charge];
+    }
+}
+
+/* ---- consistency ---- */
+
+struct frozen_task {
+    struct dea_plant *plant;
+    double t;
+};
+
+/* Net force with every other unknown frozen, for the position of a massless, undamped platform. */
+static enum dea_status frozen_force(void *context, double x, double *force) {
+    struct frozen_task *task = context;
+    struct dea_plant *plant = task->plant;
+    double *y = N_VGetArrayPointer(plant->y);
+    y[plant->x] = x / plant->scale[plant->x];
+    DEA_TRY(plant_evaluate(plant, task->t, y, 0.0, false));
+    *force = plant->force;
+    return DEA_OK;
+}
+
+/* Moves an algebraic platform to where the present inputs hold it. */
+static enum dea_status balance_platform(struct dea_plant *plant, double t) {
+    if (plant->motion != MOTION_ALGEBRAIC)
+        return DEA_OK;
+    double *y = N_VGetArrayPointer(plant->y), x = y[plant->x] * plant->scale[plant->x];
+    double shortest = shortest_zone(plant->device);
+    struct frozen_task task = {plant, t};
+    DEA_TRY(plant_find_balance(frozen_force, &task, x, fmin(1e-3 * shortest, 0.1 * plant->scale[plant->x]),
+                               plant->device->stiffness * shortest, &x));
+    y[plant->x] = x / plant->scale[plant->x];
+    return DEA_OK;
+}
+
+/* Derivatives of all unknowns at a balanced state. */
+static enum dea_status derive_rates(struct dea_plant *plant, double t) {
+    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    double v = plant->motion == MOTION_INERTIAL ? y[plant->v] * plant->scale[plant->v] : 0.0;
+    DEA_TRY(plant_evaluate(plant, t, y, v, true));
+    plant_rates(plant, t, y, yp);
+    if (plant->motion == MOTION_VISCOUS) /* contact resists motion too: (c - dF/dv) v = F(v = 0) */
+        yp[plant->x] *= plant->device->damping / (plant->device->damping - plant->force_v);
+    if (plant->motion == MOTION_ALGEBRAIC)
+        yp[plant->x] = plant_algebraic_rate(plant, t, yp) / plant->scale[plant->x];
+    return DEA_OK;
+}
+
+static enum dea_status make_consistent(struct dea_plant *plant, struct dea_error *error) {
+    if (balance_platform(plant, plant->t) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: no equilibrium of the massless platform: %s", plant->t,
+                        plant->trouble != NULL ? plant->trouble : "the forces do not balance anywhere");
+    if (derive_rates(plant, plant->t) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state is outside the model: %s", plant->t,
+                        plant->trouble != NULL ? plant->trouble : "unknown reason");
+    return plant_restart_integrator(plant, error);
+}
+
+enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
+                                enum dea_start start, const double *x, const double *v, struct dea_error *error) {
+    plant->inputs = *inputs;
+    plant->t = plant->t_previous = t;
+    struct rest_task task = {
+        .plant = plant, .elastic = *plant->device, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
+    task.elastic.material.branches = NULL;
+    task.elastic.material.branch_count = 0;
+    if (start == DEA_START_FRESH)
+        set_fresh_branches(plant);
+
+    double position = x != NULL ? *x : 0.0, force, shortest = shortest_zone(plant->device);
+    enum dea_status status = x != NULL ? rest_force(&task, position, &force)
+                                       : plant_find_balance(rest_force, &task, 0.0, 1e-3 * shortest,
+                                                            plant->device->stiffness * shortest, &position);
+    if (status == DEA_OK) /* films of the final position, not of the last trial */
+        status = rest_force(&task, position, &force);
+    if (status != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER,
+                        "no static equilibrium at the start: the drive's initial voltages or the load "
+                        "are beyond what the membrane can hold");
+    store_rest(plant, &task, position, v != NULL ? *v : 0.0);
+    N_VConst(0.0, plant->quad);
+    DEA_TRY(make_consistent(plant, error));
+    return plant_open_books(plant, error);
+}
+
+/* ---- restarts ---- */
+
+/* Work of the imposed voltages and load along a jump: the limit of a fast ramp, along which every differential unknown
+ * is frozen and an algebraic platform follows. W = [Q V] - int Q dV; here the integral, by Gauss-Legendre on panels. */
+static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant_inputs *next) {
+    enum { PANELS = 16 };
+    static const double nodes[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
+    static const double weights[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+    const struct dea_plant_inputs before = plant->inputs;
+    double jump[DEA_ZONES], load_jump, size = 0.0;
+    for (int k = 0; k < DEA_ZONES; k++) {
+        jump[k] = plant->zones[k].kind == DEA_PORT_IDEAL ? dea_piece_value(&next->source[k], plant->t, NULL) -
+                                                               dea_piece_value(&before.source[k], plant->t, NULL)
+                                                         : 0.0;
+        size += fabs(jump[k]);
+    }
+    load_jump = dea_piece_value(&next->load, plant->t, NULL) - dea_piece_value(&before.load, plant->t, NULL);
+    if (size == 0.0 && load_jump == 0.0)
+        return DEA_OK;
+    double *y = N_VGetArrayPointer(plant->y);
+    for (int p = 0; p < PANELS; p++) {
+        for (int g = 0; g < 3; g++) {
+            double s = (p + 0.5 + 0.5 * nodes[g]) / PANELS, weight = 0.5 * weights[g] / PANELS;
+            for (int k = 0; k < DEA_ZONES; k++)
+                if (jump[k] != 0.0)
+                    plant->inputs.source[k] =
+                        (struct dea_piece){.kind = DEA_PIECE_LINE,
+                                           .start = plant->t,
+                                           .end = INFINITY,
+                                           .value = dea_piece_value(&before.source[k], plant->t, NULL) + s * jump[k]};
+            plant->inputs.load =
+                (struct dea_piece){.kind = DEA_PIECE_LINE,
+                                   .start = plant->t,
+                                   .end = INFINITY,
+                                   .value = dea_piece_value(&before.load, plant->t, NULL) + s * load_jump};
+            DEA_TRY(balance_platform(plant, plant->t));
+            DEA_TRY(plant_evaluate(plant, plant->t, y, 0.0, false));
+            for (int k = 0; k < DEA_ZONES; k++)
+                if (jump[k] != 0.0)
+                    plant->jump_work[0] -= weight * plant->points[k].film.charge * jump[k];
+            plant->jump_work[1] -= weight * y[plant->x] * plant->scale[plant->x] * load_jump;
+        }
+    }
+    return DEA_OK;
+}
+
+enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
+                                  struct dea_error *error) {
+    if (book_jump(plant, inputs) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the jump of the drive leaves the model: %s", plant->t,
+                        plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
+    plant->inputs = *inputs;
+    plant->stats.restarts++;
+    return make_consistent(plant, error);
+}
