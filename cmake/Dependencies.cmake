@@ -12,4 +12,4 @@ find_library(UDUNITS_LIBRARY udunits2 REQUIRED)
 add_library(deasim_dependencies INTERFACE)
 target_include_directories(deasim_dependencies SYSTEM INTERFACE ${UDUNITS_INCLUDE})
 target_link_libraries(deasim_dependencies INTERFACE SUNDIALS::idas SUNDIALS::nvecserial SUNDIALS::sunlinsoldense
-    SUNDIALS::sunlinsolklu PkgConfig::CJSON PkgConfig::YAML PkgConfig::HDF5 ${UDUNITS_LIBRARY} m)
+    SUNDIALS::sunlinsolklu PkgConfig::CJSON PkgConfig::YAML PkgConfig::HDF5 PkgConfig::NGSPICE ${UDUNITS_LIBRARY} m)

@@ -1,0 +1,73 @@
+/* The deck the engine runs: the user's lines, one subcircuit per device, our own .tran, .save and .options.
+ *
+ * Per electroded zone the film is a charge Q = (c0 + k V^2) V with c0 and k EXTERNAL numbers:
+ *     Bq 0 q I = V(p,n)/1kV (c + k (V(p,n)/1kV)^2)      in units of Q1 = rest capacitance x 1 kV
+ *     Lq q 0 Q1 (1 V/A)                                  the state is the inductor's current: charge in units of Q1
+ *     Gq p n q 0 1                                       1 V at q is 1 A of dQ/dt
+ * State of order 1, and a tolerance of vntol = 1 uA on the current: tighter than that, rounding noise C dV/dt of a kV
+ * node stops ngspice with "timestep too small"; looser states (1 V = 1 A with unscaled charge, ngspice's own `C Q=`)
+ * lose charge on an isolated node. */
+#ifndef DEASIM_CIRCUIT_DECK_H
+#define DEASIM_CIRCUIT_DECK_H
+
+#include "circuit/netlist.h"
+
+/* What the coupling feeds into a device instance. SI units. */
+enum dea_external {
+    DEA_EXTERNAL_CAPACITANCE, /* c0, F */
+    DEA_EXTERNAL_CURVATURE,   /* k in C = c0 + k V^2, F/V^2 */
+    DEA_EXTERNAL_RESISTANCE,  /* R_e, Ohm */
+    DEA_EXTERNAL_STRETCH,     /* lam1, for the leakage */
+    DEA_EXTERNAL_POSITION,    /* x, m (zone is -1); the pin shows 1 V per mm */
+    DEA_EXTERNAL_COUNT
+};
+
+/* Electrical side of one electroded zone. */
+struct dea_port {
+    double rest_capacitance;   /* scale of c0, F */
+    bool curvature;            /* ask for DEA_EXTERNAL_CURVATURE; false: k = 0 */
+    double resistance;         /* series R_e, Ohm; with resistance_external its value at rest; 0: none */
+    bool resistance_external;  /* ask for DEA_EXTERNAL_RESISTANCE */
+    double conductivity;       /* s0, S/m; 0: no leakage */
+    double conductivity_field; /* E_B in sigma = s0 exp(|E|/E_B), V/m; INFINITY: ohmic */
+    double leakage_area;       /* w l0 / lp1: area is this times lam1, m^2 */
+    double leakage_thickness;  /* t0 lp1: E = V lam1 / this, m */
+};
+
+/* The device a netlist name stands for; same order as dea_netlist_options.devices. */
+struct dea_circuit_device {
+    const char *name;
+    int port_count; /* electroded zones, in pin order */
+    struct dea_port ports[DEA_ZONES];
+};
+
+enum dea_integration { DEA_INTEGRATION_TRAPEZOIDAL, DEA_INTEGRATION_GEAR };
+
+/* How the engine runs. A tolerance of 0 keeps the netlist's or ngspice's own value. */
+struct dea_deck_options {
+    double stop;                 /* end of the run, s */
+    double step;                 /* sets the first step (step / 100, at a breakpoint), s; 0: stop / 1000 */
+    double max_step;             /* longest step, s; 0: stop / 50 */
+    bool uic;                    /* skip the operating point, start from .ic */
+    double reltol;               /* relative tolerance */
+    double abstol;               /* A */
+    double vntol;                /* V */
+    double chgtol;               /* C */
+    double trtol;                /* truncation error overestimate; 1 is strict, ngspice's default 7 */
+    enum dea_integration method; /* ngspice never goes beyond order 2, whatever maxord says */
+    const char *const *nodes;    /* user nodes whose voltage is wanted at accepted points */
+    int node_count;
+};
+
+struct dea_deck {
+    char **lines; /* owned, NULL-terminated, as ngSpice_Circ wants them */
+    int *origins; /* owned; index into netlist lines, -1: generated */
+    int line_count;
+};
+
+enum dea_status dea_deck_build(const struct dea_netlist *netlist, const struct dea_circuit_device *devices,
+                               const struct dea_deck_options *options, struct dea_deck *deck, struct dea_error *error);
+
+void dea_deck_clear(struct dea_deck *deck);
+
+#endif
