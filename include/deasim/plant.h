@@ -18,7 +18,7 @@ enum dea_port_kind {
     DEA_PORT_CHARGE,  /* film charge given from outside (a circuit) as a cubic in time */
 };
 
-struct dea_port {
+struct dea_plant_port {
     enum dea_port_kind kind;
     double resistance;                     /* in series outside the film's own R_e, amplifier output included, Ohm */
     const struct dea_amplifier *amplifier; /* NULL: none */
@@ -29,7 +29,7 @@ struct dea_plant_options {
     double accuracy;  /* A: promised relative error; sets the integrator's tolerance */
     double max_step;  /* s, 0: none */
     double load_peak; /* largest expected |load|, N, for scales */
-    struct dea_port ports[DEA_ZONES];
+    struct dea_plant_port ports[DEA_ZONES];
 };
 
 /* Film charge over one circuit step: q(t) = c0 + c1 d + c2 d^2 + c3 d^3, d = t - start; C and s. */

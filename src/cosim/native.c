@@ -20,11 +20,11 @@ struct native_run {
 
 /* ---- set-up ---- */
 
-static enum dea_status choose_port(const struct dea_scene *scene, int k, struct dea_port *port,
+static enum dea_status choose_port(const struct dea_scene *scene, int k, struct dea_plant_port *port,
                                    struct dea_error *error) {
     const struct dea_zone *zone = &scene->devices[0].device.zones[k];
     const struct dea_source *source = &scene->sources[k];
-    *port = (struct dea_port){.kind = DEA_PORT_PASSIVE};
+    *port = (struct dea_plant_port){.kind = DEA_PORT_PASSIVE};
     if (!zone->present || !zone->electroded)
         return DEA_OK;
     port->kind = DEA_PORT_IDEAL; /* without a source the electrode is grounded */

@@ -30,7 +30,7 @@ void plant_leak_through_film(const struct dea_plant *plant, int k, struct zone_p
 
 /* Current of a source port through its resistances, limited by the amplifier. */
 void plant_drive_current(const struct dea_plant *plant, int k, struct zone_point *point) {
-    const struct dea_port *port = &plant->options.ports[k];
+    const struct dea_plant_port *port = &plant->options.ports[k];
     double slope, resistance = port->resistance + dea_zone_resistance(plant->device, k, point->film.lam, &slope);
     point->current = (point->emf - point->film.voltage) / resistance;
     point->current_v = -1.0 / resistance;

@@ -9,7 +9,7 @@
  * the time the slew limit takes over the full voltage. */
 #define FREE_POLE_RATIO 20.0
 
-static void lay_out_amplifier(struct zone_layout *zone, const struct dea_port *port, int *count) {
+static void lay_out_amplifier(struct zone_layout *zone, const struct dea_plant_port *port, int *count) {
     const struct dea_amplifier *amplifier = port->amplifier;
     if (amplifier == NULL || (isinf(amplifier->bandwidth) && isinf(amplifier->slew_rate)))
         return;
@@ -20,7 +20,7 @@ static void lay_out_amplifier(struct zone_layout *zone, const struct dea_port *p
 }
 
 static void lay_out_zone(const struct dea_device *device, struct zone_layout *zone, int index,
-                         const struct dea_port *port, int *count) {
+                         const struct dea_plant_port *port, int *count) {
     *zone = (struct zone_layout){.branch = ABSENT, .charge = ABSENT, .amplifier = ABSENT};
     zone->present = device->zones[index].present;
     if (!zone->present)
@@ -90,7 +90,7 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     if (plant->motion == MOTION_INERTIAL)
         plant->v = count++;
     for (int k = 0; k < DEA_ZONES; k++) {
-        const struct dea_port *port = &plant->options.ports[k];
+        const struct dea_plant_port *port = &plant->options.ports[k];
         lay_out_zone(device, &plant->zones[k], k, port, &count);
         if (plant->zones[k].kind == DEA_PORT_SOURCE && port->resistance <= 0.0 &&
             device->zones[k].electrode_resistance <= 0.0 && device->zones[k].sheet_resistance <= 0.0)
