@@ -10,6 +10,9 @@
  * unknown or of another dimension, trailing text, nan, inf, overflow. Safe from several threads, whatever the locale. */
 enum dea_status dea_quantity_parse(const char *text, const char *si_unit, double *value, struct dea_error *error);
 
+/* Names the dimension of a unit, for messages: "m" -> "a length"; "a quantity" when unknown or NULL. */
+const char *dea_quantity_kind(const char *si_unit);
+
 /* Writes a value with a readable prefix and four digits, for messages: 0.0033, "m" -> "3.3 mm". Returns buffer. */
 const char *dea_quantity_format(double value, const char *si_unit, char *buffer, int size);
 

@@ -44,7 +44,7 @@ static const struct dimension {
     {"1/s", "a rate", "1/s, 1/ms"},
     {"m/s", "a velocity", "um/s, mm/s, m/s"},
     {"rad", "an angle", "rad, deg"},
-    {"1", "a plain number", "no unit, or %"},
+    {"1", "a number", "no unit, or %"},
 };
 
 /* ---- the unit database ---- */
@@ -335,6 +335,11 @@ enum dea_status dea_quantity_parse(const char *text, const char *si_unit, double
 
 /* ---- printing ---- */
 
+const char *dea_quantity_kind(const char *si_unit) {
+    const struct dimension *dimension = find_dimension(si_unit);
+    return dimension != NULL ? dimension->name : "a quantity";
+}
+
 static bool takes_prefix(const char *unit) {
     static const char *const bare[] = {"1", "1/s", "kg/m^3", "rad", "m^2", "m^3"};
     for (size_t i = 0; i < sizeof bare / sizeof bare[0]; i++)
@@ -356,7 +361,8 @@ const char *dea_quantity_format(double value, const char *si_unit, char *buffer,
     if (unit != si_unit)
         value *= 1000;
     bool is_time = strcmp(unit, "s") == 0;
-    if (isfinite(value) && value != 0 && takes_prefix(unit)) {
+    bool in_reach = fabs(value) >= 1e-15 && fabs(value) < 1e15; /* beyond, a power of ten reads better */
+    if (in_reach && takes_prefix(unit)) {
         size_t i = is_time ? 4 : 0, last = sizeof prefixes / sizeof prefixes[0] - 1;
         while (i < last && fabs(value) < prefixes[i].factor * 0.99995)
             i++;

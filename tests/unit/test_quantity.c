@@ -112,7 +112,7 @@ static void refuses_what_is_not_meant(void **state) {
         {"1 Ns/m", "N s/m", "unknown unit 'Ns/m'; did you mean 'N s/m'? allowed: N s/m, mN s/m, kg/s"},
         {"10 ms", "Hz", "unit 'ms' is not that of a frequency; allowed: mHz, Hz, kHz, MHz"},
         {"60 rpm", "Hz", "unit 'rpm' is not that of a frequency; allowed: mHz, Hz, kHz, MHz"},
-        {"10 rad", "1", "unit 'rad' is not that of a plain number; allowed: no unit, or %"},
+        {"10 rad", "1", "unit 'rad' is not that of a number; allowed: no unit, or %"},
         {"3 300 V", "V", "unknown unit '300 V'; allowed: mV, V, kV"},
         {"5 2 V", "V", "unknown unit '2 V'; allowed: mV, V, kV"},
         {"3,3 kV", "V", "'3,3 kV': ',' is not allowed in a number; use a decimal point"},
@@ -187,11 +187,12 @@ static void prints_readable_prefixes(void **state) {
         {0, "V", "0 V"},
         {-3300, "V", "-3.3 kV"},
         {0.99999e-3, "m", "1 mm"},
-        {1e30, "V", "1e+18 TV"},
+        {1e30, "V", "1e+30 V"},
         {INFINITY, "V", "inf V"},
         {80.5e-12, "F", "80.5 pF"},
         {50e3, "Ohm/sq", "50 kOhm/sq"},
         {2, "1/s", "2 1/s"},
+        {1e-25, "S/m", "1e-25 S/m"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char buffer[64];
