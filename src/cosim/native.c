@@ -1,8 +1,6 @@
 /* A device on native sources: one IDA problem, restarted only at the corners of the waveforms. */
 #include "cosim/native.h"
 
-#include "cosim/observer.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -110,7 +108,8 @@ static enum dea_status integrate_piece(struct native_run *run, double corner, st
                             *run->options->interrupt == SIGTERM ? "SIGTERM" : "SIGINT");
         struct dea_step step;
         DEA_TRY(dea_plant_step(run->plant, corner, &step, error));
-        DEA_TRY(observer_follow(run->observer, step.from, step.to, error));
+        DEA_TRY(observer_follow(run->observer, 0, step.from, step.to, error));
+        DEA_TRY(observer_write(run->observer, step.to, error));
         if (step.root) {
             int zone;
             enum dea_policy policy = observer_roots(run->observer, 0, step.to, &zone);
@@ -157,13 +156,13 @@ static enum dea_status integrate(struct native_run *run, struct dea_error *error
 }
 
 enum dea_status run_native(const struct dea_scene *scene, const struct dea_run_options *options,
-                           struct dea_result *result, struct dea_error *error) {
+                           const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
     struct native_run run = {.scene = scene, .options = options};
     enum dea_status status = create_plant(&run, error);
     if (status == DEA_OK) {
         snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "%s",
                  dea_plant_is_algebraic(run.plant) ? "static" : "native");
-        status = observer_open(scene, options, scene->stop, &run.plant, 1, result, &run.observer, error);
+        status = observer_open(scene, options, scene->stop, &run.plant, 1, sink, result, &run.observer, error);
     }
     if (status == DEA_OK) {
         dea_report_begin(options->report);

@@ -13,23 +13,37 @@ struct history {
     double t[2], value[2];
 };
 
+/* Where a zone's electrical signals are in the list of all signals; ABSENT for a passive zone. */
+struct port_columns {
+    int voltage, port_voltage, charge, current, true_field, stretch;
+};
+
+enum { ABSENT = -1, PORT_VALUES = 4 };
+
 struct observer {
     const struct dea_scene *scene;
     const struct dea_run_options *options;
     struct dea_plant *const *plants;
     int plant_count;
+    struct row_sink sink;
     struct dea_result *result;
     struct dea_signal *signals; /* all of them */
+    int *first;                 /* first signal of each plant, plant_count + 1 entries */
+    struct port_columns *ports; /* DEA_ZONES per plant */
     double *values, *row;       /* all signals; those written */
     struct history *histories;
-    int history_length; /* step ends since the last jump, at most 2 */
-    size_t *written;    /* indices of the signals in the files */
+    int *history_length; /* step ends since the last jump, at most 2, per plant */
+    size_t *written;     /* indices of the signals in the files */
     size_t written_count;
     struct dea_signal *written_signals;
-    struct dea_recorder *recorder;
     double sample, stop;
-    long next_sample; /* sample times are next_sample * sample */
-    double last_row;  /* s, time of the last row */
+    double last_row; /* s, time of the last row */
+    /* rows in the making: sample times next_sample * sample, (next_sample + 1) * sample, ... */
+    long next_sample;
+    long *reached;         /* per plant: first sample it has not filled */
+    double *pending;       /* pending_rows times all signals */
+    double *pending_ports; /* pending_rows times ports times PORT_VALUES; NAN: none */
+    size_t pending_rows;
     bool warned[DEA_EVENT_COUNT];
     /* while events are booked */
     int device, short_zone;
@@ -39,24 +53,31 @@ struct observer {
 
 /* ---- opening ---- */
 
-static size_t count_signals(const struct observer *o) {
-    size_t count = 0;
-    for (int d = 0; d < o->plant_count; d++)
-        count += (size_t)dea_plant_signal_count(o->plants[d]);
-    return count;
+static int find_column(const struct observer *o, int device, int zone, const char *name) {
+    char wanted[96];
+    snprintf(wanted, sizeof wanted, "%s.%s", dea_zone_names[zone], name);
+    for (int i = o->first[device]; i < o->first[device + 1]; i++) {
+        const char *full = o->signals[i].name;
+        size_t length = strlen(full), tail = strlen(wanted);
+        if (length >= tail && strcmp(full + length - tail, wanted) == 0)
+            return i;
+    }
+    return ABSENT;
 }
 
 static void name_signals(struct observer *o) {
-    size_t at = 0;
     for (int d = 0; d < o->plant_count; d++) {
-        for (int i = 0; i < dea_plant_signal_count(o->plants[d]); i++, at++) {
-            dea_plant_signal(o->plants[d], i, &o->signals[at]);
-            if (o->plant_count > 1) { /* "DEB.left.voltage" */
-                struct dea_signal plain = o->signals[at];
-                snprintf(o->signals[at].name, sizeof o->signals[at].name, "%.31s.%.63s", o->scene->devices[d].name,
-                         plain.name);
-            }
+        for (int i = 0; i < dea_plant_signal_count(o->plants[d]); i++) {
+            struct dea_signal plain, *signal = &o->signals[o->first[d] + i];
+            dea_plant_signal(o->plants[d], i, &plain);
+            *signal = plain;
+            if (o->plant_count > 1) /* "DEB.left.voltage" */
+                snprintf(signal->name, sizeof signal->name, "%.31s.%.63s", o->scene->devices[d].name, plain.name);
         }
+        for (int k = 0; k < DEA_ZONES; k++)
+            o->ports[d * DEA_ZONES + k] = (struct port_columns){
+                find_column(o, d, k, "voltage"), find_column(o, d, k, "port_voltage"), find_column(o, d, k, "charge"),
+                find_column(o, d, k, "current"), find_column(o, d, k, "true_field"),   find_column(o, d, k, "stretch")};
     }
 }
 
@@ -88,36 +109,55 @@ static enum dea_status choose_signals(struct observer *o, struct dea_error *erro
 }
 
 static enum dea_status allocate(struct observer *o, struct dea_error *error) {
-    size_t count = o->result->signal_count = count_signals(o), room = count + o->scene->signal_count;
+    size_t plants = (size_t)o->plant_count, count = 0;
+    o->first = calloc(plants + 1, sizeof *o->first);
+    if (o->first == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu devices", plants);
+    for (size_t d = 0; d < plants; d++) {
+        count += (size_t)dea_plant_signal_count(o->plants[d]);
+        o->first[d + 1] = (int)count;
+    }
+    size_t room = count + o->scene->signal_count;
+    o->result->signal_count = count;
     o->signals = calloc(count, sizeof *o->signals);
+    o->ports = calloc(plants * DEA_ZONES, sizeof *o->ports);
     o->values = calloc(count, sizeof *o->values);
     o->row = calloc(room, sizeof *o->row);
     o->histories = calloc(count, sizeof *o->histories);
+    o->history_length = calloc(plants, sizeof *o->history_length);
+    o->reached = calloc(plants, sizeof *o->reached);
     o->written = calloc(room, sizeof *o->written);
     o->written_signals = calloc(room, sizeof *o->written_signals);
+    o->result->signals = o->signals;
     o->result->stats = calloc(count, sizeof *o->result->stats);
     o->result->events = calloc(MAX_EVENTS, sizeof *o->result->events);
-    if (o->signals == NULL || o->values == NULL || o->row == NULL || o->histories == NULL || o->written == NULL ||
-        o->written_signals == NULL || o->result->stats == NULL || o->result->events == NULL)
+    if (o->signals == NULL || o->ports == NULL || o->values == NULL || o->row == NULL || o->histories == NULL ||
+        o->history_length == NULL || o->reached == NULL || o->written == NULL || o->written_signals == NULL ||
+        o->result->stats == NULL || o->result->events == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu signals", count);
-    o->result->signals = o->signals;
     for (size_t i = 0; i < count; i++)
         o->result->stats[i] = (struct dea_signal_stats){.min = INFINITY, .max = -INFINITY};
     return DEA_OK;
 }
 
 static void free_observer(struct observer *o) {
+    free(o->first);
+    free(o->ports);
     free(o->values);
     free(o->row);
     free(o->histories);
+    free(o->history_length);
+    free(o->reached);
     free(o->written);
     free(o->written_signals);
+    free(o->pending);
+    free(o->pending_ports);
     free(o);
 }
 
 enum dea_status observer_open(const struct dea_scene *scene, const struct dea_run_options *options, double stop,
-                              struct dea_plant *const *plants, int plant_count, struct dea_result *result,
-                              struct observer **observer, struct dea_error *error) {
+                              struct dea_plant *const *plants, int plant_count, const struct row_sink *sink,
+                              struct dea_result *result, struct observer **observer, struct dea_error *error) {
     *observer = NULL;
     struct observer *o = calloc(1, sizeof *o);
     if (o == NULL)
@@ -126,6 +166,7 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
                            .options = options,
                            .plants = plants,
                            .plant_count = plant_count,
+                           .sink = *sink,
                            .result = result,
                            .stop = stop,
                            .last_row = -INFINITY};
@@ -135,9 +176,8 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
         name_signals(o);
         status = choose_signals(o, error);
     }
-    if (status == DEA_OK && options->directory != NULL)
-        status = dea_recorder_open(options->directory, scene->formats, scene->title, o->written_signals,
-                                   o->written_count, &o->recorder, error);
+    if (status == DEA_OK)
+        status = o->sink.open(o->sink.context, o->written_signals, o->written_count, error);
     if (status != DEA_OK) {
         free_observer(o);
         return status;
@@ -147,15 +187,6 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
 }
 
 /* ---- samples and extremes ---- */
-
-static enum dea_status read_signals(struct observer *o, double t, struct dea_error *error) {
-    size_t at = 0;
-    for (int d = 0; d < o->plant_count; d++) {
-        DEA_TRY(dea_plant_signals(o->plants[d], t, o->values + at, error));
-        at += (size_t)dea_plant_signal_count(o->plants[d]);
-    }
-    return DEA_OK;
-}
 
 static void note_extreme(struct dea_signal_stats *stats, double t, double value) {
     if (value > stats->max) {
@@ -180,12 +211,12 @@ static void note_vertex(struct dea_signal_stats *stats, const struct history *h,
     note_extreme(stats, h->t[1] + tau, h->value[1] + 0.5 * middle * tau);
 }
 
-static void note_step_end(struct observer *o, double t) {
-    for (size_t i = 0; i < o->result->signal_count; i++) {
+static void note_step_end(struct observer *o, int device, double t) {
+    for (int i = o->first[device]; i < o->first[device + 1]; i++) {
         struct dea_signal_stats *stats = &o->result->stats[i];
         struct history *h = &o->histories[i];
         note_extreme(stats, t, o->values[i]);
-        if (o->history_length == 2)
+        if (o->history_length[device] == 2)
             note_vertex(stats, h, t, o->values[i]);
         stats->final = o->values[i];
         h->t[0] = h->t[1];
@@ -193,43 +224,140 @@ static void note_step_end(struct observer *o, double t) {
         h->t[1] = t;
         h->value[1] = o->values[i];
     }
-    if (o->history_length < 2)
-        o->history_length++;
+    if (o->history_length[device] < 2)
+        o->history_length[device]++;
 }
 
-static enum dea_status write_row(struct observer *o, double t, struct dea_error *error) {
+static enum dea_status send_row(struct observer *o, double t, const double *values, struct dea_error *error) {
     o->last_row = t;
-    if (o->recorder == NULL)
-        return DEA_OK;
     for (size_t w = 0; w < o->written_count; w++)
-        o->row[w] = o->values[o->written[w]];
-    return dea_recorder_append(o->recorder, t, o->row, error);
+        o->row[w] = values[o->written[w]];
+    return o->sink.row(o->sink.context, t, o->row, o->written_count, error);
 }
 
 enum dea_status observer_start(struct observer *o, struct dea_error *error) {
-    DEA_TRY(read_signals(o, 0.0, error));
-    note_step_end(o, 0.0);
+    for (int d = 0; d < o->plant_count; d++) {
+        DEA_TRY(dea_plant_signals(o->plants[d], 0.0, o->values + o->first[d], error));
+        note_step_end(o, d, 0.0);
+        o->reached[d] = 1;
+    }
     o->next_sample = 1;
-    return write_row(o, 0.0, error);
+    return send_row(o, 0.0, o->values, error);
 }
 
-enum dea_status observer_follow(struct observer *o, double from, double to, struct dea_error *error) {
+/* Room for the row of a sample; grows by doubling, so hardly ever. */
+static enum dea_status reserve_rows(struct observer *o, long sample, struct dea_error *error) {
+    size_t needed = (size_t)(sample - o->next_sample) + 1, count = o->result->signal_count;
+    size_t ports = (size_t)o->plant_count * DEA_ZONES * PORT_VALUES;
+    if (needed <= o->pending_rows)
+        return DEA_OK;
+    size_t rows = o->pending_rows > 0 ? o->pending_rows : 8;
+    while (rows < needed)
+        rows *= 2;
+    double *pending = realloc(o->pending, rows * count * sizeof *pending);
+    if (pending == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu rows between two steps", rows);
+    o->pending = pending;
+    double *pending_ports = realloc(o->pending_ports, rows * ports * sizeof *pending_ports);
+    if (pending_ports == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu rows between two steps", rows);
+    o->pending_ports = pending_ports;
+    for (size_t i = o->pending_rows * ports; i < rows * ports; i++)
+        pending_ports[i] = NAN;
+    o->pending_rows = rows;
+    return DEA_OK;
+}
+
+enum dea_status observer_follow(struct observer *o, int device, double from, double to, struct dea_error *error) {
     (void)from;
-    for (double t = (double)o->next_sample * o->sample; t <= to; t = (double)o->next_sample * o->sample) {
-        DEA_TRY(read_signals(o, t, error));
-        for (size_t i = 0; i < o->result->signal_count; i++)
-            note_extreme(&o->result->stats[i], t, o->values[i]);
-        DEA_TRY(write_row(o, t, error));
-        o->next_sample++;
+    for (double t = (double)o->reached[device] * o->sample; t <= to; t = (double)o->reached[device] * o->sample) {
+        DEA_TRY(reserve_rows(o, o->reached[device], error));
+        double *row = o->pending + (size_t)(o->reached[device] - o->next_sample) * o->result->signal_count;
+        DEA_TRY(dea_plant_signals(o->plants[device], t, row + o->first[device], error));
+        for (int i = o->first[device]; i < o->first[device + 1]; i++)
+            note_extreme(&o->result->stats[i], t, row[i]);
+        o->reached[device]++;
     }
-    DEA_TRY(read_signals(o, to, error));
-    note_step_end(o, to);
-    dea_report_progress(o->options->report, to, o->stop);
+    DEA_TRY(dea_plant_signals(o->plants[device], to, o->values + o->first[device], error));
+    note_step_end(o, device, to);
+    return DEA_OK;
+}
+
+/* The circuit's own values take the place of the plant's. */
+static void put_port(const struct observer *o, int device, int zone, const double *port, double *values) {
+    const struct port_columns *columns = &o->ports[device * DEA_ZONES + zone];
+    if (columns->voltage == ABSENT || isnan(port[0]))
+        return;
+    values[columns->voltage] = port[0];
+    values[columns->port_voltage] = port[1];
+    values[columns->charge] = port[2];
+    values[columns->current] = port[3];
+    values[columns->true_field] = dea_zone_field(&o->scene->devices[device].device, port[0], values[columns->stretch]);
+}
+
+enum dea_status observer_write(struct observer *o, double t, struct dea_error *error) {
+    size_t count = o->result->signal_count, ports = (size_t)o->plant_count * DEA_ZONES * PORT_VALUES, rows = 0;
+    for (double at = (double)o->next_sample * o->sample; at <= t;
+         at = (double)(o->next_sample + (long)rows) * o->sample) {
+        double *values = o->pending + rows * count;
+        for (int p = 0; p < o->plant_count * DEA_ZONES; p++)
+            put_port(o, p / DEA_ZONES, p % DEA_ZONES, o->pending_ports + rows * ports + (size_t)p * PORT_VALUES,
+                     values);
+        DEA_TRY(send_row(o, at, values, error));
+        rows++;
+    }
+    if (rows > 0) { /* what is left moves to the front */
+        size_t left = o->pending_rows - rows;
+        memmove(o->pending, o->pending + rows * count, left * count * sizeof *o->pending);
+        memmove(o->pending_ports, o->pending_ports + rows * ports, left * ports * sizeof *o->pending_ports);
+        for (size_t i = left * ports; i < o->pending_rows * ports; i++)
+            o->pending_ports[i] = NAN;
+        o->next_sample += (long)rows;
+    }
+    dea_report_progress(o->options->report, t, o->stop);
     return DEA_OK;
 }
 
 void observer_break(struct observer *o) {
-    o->history_length = 0;
+    memset(o->history_length, 0, (size_t)o->plant_count * sizeof *o->history_length);
+}
+
+/* ---- ports of a circuit ---- */
+
+void observer_note_port(struct observer *o, int device, int zone, double t, double stretch,
+                        const struct port_values *values) {
+    const struct port_columns *columns = &o->ports[device * DEA_ZONES + zone];
+    struct dea_signal_stats *stats = o->result->stats;
+    double field = dea_zone_field(&o->scene->devices[device].device, values->voltage, stretch);
+    const int index[] = {columns->voltage, columns->port_voltage, columns->charge, columns->current,
+                         columns->true_field};
+    const double value[] = {values->voltage, values->port_voltage, values->charge, values->current, field};
+    for (size_t i = 0; i < sizeof index / sizeof index[0]; i++) {
+        if (index[i] == ABSENT)
+            continue;
+        note_extreme(&stats[index[i]], t, value[i]);
+        stats[index[i]].final = value[i];
+    }
+}
+
+long observer_next_sample(const struct observer *o) {
+    return o->next_sample;
+}
+
+double observer_sample_interval(const struct observer *o) {
+    return o->sample;
+}
+
+enum dea_status observer_sample_port(struct observer *o, int device, int zone, long sample,
+                                     const struct port_values *values, struct dea_error *error) {
+    DEA_TRY(reserve_rows(o, sample, error));
+    size_t ports = (size_t)o->plant_count * DEA_ZONES, port = (size_t)device * DEA_ZONES + (size_t)zone;
+    double *slot = o->pending_ports + ((size_t)(sample - o->next_sample) * ports + port) * PORT_VALUES;
+    slot[0] = values->voltage;
+    slot[1] = values->port_voltage;
+    slot[2] = values->charge;
+    slot[3] = values->current;
+    return DEA_OK;
 }
 
 /* ---- events ---- */
@@ -310,11 +438,8 @@ enum dea_status observer_close(struct observer *o, double t, bool failed, struct
         return DEA_OK;
     enum dea_status status = DEA_OK;
     o->result->t_end = t;
-    if (!failed && o->last_row < t - 1e-9 * o->sample) {
-        status = read_signals(o, t, error);
-        if (status == DEA_OK)
-            status = write_row(o, t, error);
-    }
+    if (!failed && o->last_row < t - 1e-9 * o->sample) /* o->values are those of the last step end */
+        status = send_row(o, t, o->values, error);
     enum dea_status balanced = gather_energy(o, status == DEA_OK ? error : NULL);
     if (status == DEA_OK && !failed)
         status = balanced;
@@ -330,7 +455,6 @@ enum dea_status observer_close(struct observer *o, double t, bool failed, struct
         all->newton_iterations += one.newton_iterations;
         all->restarts += one.restarts;
     }
-    enum dea_status closed = dea_recorder_close(o->recorder, status == DEA_OK ? error : NULL);
     free_observer(o);
-    return status != DEA_OK ? status : closed;
+    return status;
 }

@@ -1,5 +1,5 @@
 /* Watches a run: samples for the files, extremes over the whole run, events and what the scene wants done about them.
- */
+ * Devices may advance one after the other; a row is written once all of them have passed its time. */
 #ifndef DEASIM_COSIM_OBSERVER_H
 #define DEASIM_COSIM_OBSERVER_H
 
@@ -8,26 +8,52 @@
 
 struct observer;
 
-/* Plants in the order of the scene's devices. Opens the result files. */
+/* Where rows go: a recorder, or the pipe to the process that has one. */
+struct row_sink {
+    void *context;
+    enum dea_status (*open)(void *context, const struct dea_signal *signals, size_t count, struct dea_error *error);
+    enum dea_status (*row)(void *context, double t, const double *values, size_t count, struct dea_error *error);
+};
+
+/* Plants in the order of the scene's devices. Fills result->signals, stats, events; all owned by the result. */
 enum dea_status observer_open(const struct dea_scene *scene, const struct dea_run_options *options, double stop,
-                              struct dea_plant *const *plants, int plant_count, struct dea_result *result,
-                              struct observer **observer, struct dea_error *error);
+                              struct dea_plant *const *plants, int plant_count, const struct row_sink *sink,
+                              struct dea_result *result, struct observer **observer, struct dea_error *error);
 
 /* First row, at the plants' start. */
 enum dea_status observer_start(struct observer *observer, struct dea_error *error);
 
-/* After a step of all plants from `from` to `to`: extremes, and every sample time in (from, to]. */
-enum dea_status observer_follow(struct observer *observer, double from, double to, struct dea_error *error);
+/* After a step of one plant from `from` to `to`: its extremes, and its part of the rows in (from, to]. */
+enum dea_status observer_follow(struct observer *observer, int device, double from, double to, struct dea_error *error);
+
+/* All plants have reached t: writes the rows up to there. */
+enum dea_status observer_write(struct observer *observer, double t, struct dea_error *error);
 
 /* A jump of the inputs: extremes do not interpolate across it. */
 void observer_break(struct observer *observer);
+
+/* Electrical values of a port as the circuit has them; they replace the plant's own, whose charge may be smoothed. */
+struct port_values {
+    double voltage, port_voltage; /* V */
+    double charge;                /* C */
+    double current;               /* A */
+};
+/* Extremes of a port at a circuit point, with the film's present stretch for the field. */
+void observer_note_port(struct observer *observer, int device, int zone, double t, double stretch,
+                        const struct port_values *values);
+/* Rows are at sample * interval, sample = 1, 2, ...: the first one not yet written, and a port's values for a row still
+ * to come. */
+long observer_next_sample(const struct observer *observer);
+double observer_sample_interval(const struct observer *observer);
+enum dea_status observer_sample_port(struct observer *observer, int device, int zone, long sample,
+                                     const struct port_values *values, struct dea_error *error);
 
 /* Books the events one plant met at time t: at roots of its last step, or those that hold now. Returns the strongest
  * policy asked for (DEA_POLICY_IGNORE: nothing to do); *zone is where for DEA_POLICY_SHORT. */
 enum dea_policy observer_roots(struct observer *observer, int device, double t, int *zone);
 enum dea_policy observer_conditions(struct observer *observer, int device, double t, int *zone);
 
-/* Last row at t (unless just sampled), files closed, statistics and energies gathered into the result. Frees the
+/* Last row at t (unless just written), energies and statistics of the plants gathered into the result. Frees the
  * observer; NULL is fine. `failed` tells that the plants' state at t may be outside the model and is not sampled. */
 enum dea_status observer_close(struct observer *observer, double t, bool failed, struct dea_error *error);
 
