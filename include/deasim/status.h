@@ -27,6 +27,13 @@ struct dea_error {
 enum dea_status dea_fail(struct dea_error *error, enum dea_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* The same call; lets compilers and analyzers see that the status that comes back is the one that was given. */
+#define dea_fail(error, status, ...)                                                                                   \
+    __extension__({                                                                                                    \
+        (dea_fail)((error), (status), __VA_ARGS__);                                                                    \
+        (status);                                                                                                      \
+    })
+
 /* Short English name of a code, never NULL. */
 const char *dea_status_text(enum dea_status status);
 

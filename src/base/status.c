@@ -22,7 +22,7 @@ static const struct {
     {DEA_ERR_EXPECTATION, "expectation not met", 1},
 };
 
-enum dea_status dea_fail(struct dea_error *error, enum dea_status status, const char *format, ...) {
+enum dea_status(dea_fail)(struct dea_error *error, enum dea_status status, const char *format, ...) {
     if (error != NULL) {
         va_list arguments;
         va_start(arguments, format);

@@ -135,8 +135,8 @@ static enum dea_status read_header(struct reader *reader, struct dea_error *erro
     if (reader->ended)
         return dea_fail(error, DEA_ERR_INPUT, "%s: empty; a header \"time [unit], value [unit]\" is needed",
                         reader->path);
-    char *time_cell = NULL, *value_cell = NULL;
-    const char *time_name = NULL, *value_name = NULL;
+    char *time_cell, *value_cell;
+    const char *time_name, *value_name;
     DEA_TRY(split_row(reader, &time_cell, &value_cell, error));
     DEA_TRY(parse_column(reader, time_cell, "s", &time_name, &reader->time_scale, error));
     DEA_TRY(parse_column(reader, value_cell, reader->value_unit, &value_name, &reader->value_scale, error));
@@ -183,7 +183,7 @@ static enum dea_status grow_points(struct reader *reader, struct dea_waveform *w
 
 static enum dea_status read_rows(struct reader *reader, struct dea_waveform *waveform, struct dea_error *error) {
     for (;;) {
-        char *time_cell = NULL, *value_cell = NULL;
+        char *time_cell, *value_cell;
         long blank;
         DEA_TRY(next_row(reader, &blank, error));
         if (reader->ended)

@@ -178,7 +178,7 @@ static void test_damaged_files(void **state) {
     const char good[] = "\xef\xbb\xbf# c\ntime [ms], value [kV]\n0,1\n1,2.5e0\n1,-3\r\n2.5,+4\n\n";
     uint64_t seed = 88172645463325252u;
     int accepted = 0;
-    for (int round = 0; round < 4000; round++) {
+    for (int round = 0; round < 800; round++) {
         char bytes[sizeof good];
         size_t length = sizeof good - 1;
         memcpy(bytes, good, sizeof good);
@@ -201,7 +201,7 @@ static void test_damaged_files(void **state) {
         }
         dea_waveform_clear(&w);
     }
-    assert_in_range(accepted, 100, 3900);
+    assert_in_range(accepted, 20, 780);
 }
 
 int main(void) {
