@@ -78,4 +78,12 @@ void dea_header_text(const char *text, char *copy, size_t limit);
 /* Creates a folder and its parents. */
 enum dea_status dea_folder_create(const char *directory, struct dea_error *error);
 
+/* ---- words of a summary ---- */
+
+/* "done", "stopped" or "failed". */
+const char *dea_outcome_text(enum dea_status status);
+
+/* "left", "right" or "platform". */
+const char *dea_event_zone(const struct dea_event *event);
+
 #endif
