@@ -71,6 +71,9 @@ struct dea_result {
 
 struct dea_recorder;
 
+/* Makes a result folder and its parents; fine when it is there. DEA_ERR_INPUT when it cannot be made. */
+enum dea_status dea_directory_make(const char *directory, struct dea_error *error);
+
 /* Opens DIR/result.csv, result.raw, result.h5 as asked by `formats` (enum dea_format bits), creating DIR and its
  * parents. Result, picture and summary files of an earlier run in DIR are removed first, so nothing there passes for
  * this run's. Files are written under their final name with the rows so far always readable after a flush; raw's point

@@ -75,9 +75,6 @@ extern const struct dea_writer_class dea_csv_writer, dea_raw_writer, dea_hdf5_wr
 /* Copies text for a header: control characters become blanks, at most `limit` bytes with the closing zero. */
 void dea_header_text(const char *text, char *copy, size_t limit);
 
-/* Creates a folder and its parents. */
-enum dea_status dea_folder_create(const char *directory, struct dea_error *error);
-
 /* ---- words of a summary ---- */
 
 /* "done", "stopped" or "failed". */

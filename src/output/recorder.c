@@ -30,7 +30,7 @@ void dea_header_text(const char *text, char *copy, size_t limit) {
     copy[length] = '\0';
 }
 
-enum dea_status dea_folder_create(const char *directory, struct dea_error *error) {
+enum dea_status dea_directory_make(const char *directory, struct dea_error *error) {
     char *path = strdup(directory);
     if (path == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the path %s", directory);
@@ -106,7 +106,7 @@ enum dea_status dea_recorder_open(const char *directory, unsigned formats, const
                                   const struct dea_signal *signals, size_t signal_count, struct dea_recorder **recorder,
                                   struct dea_error *error) {
     *recorder = NULL;
-    DEA_TRY(dea_folder_create(directory, error));
+    DEA_TRY(dea_directory_make(directory, error));
     DEA_TRY(remove_stale(directory, error));
     struct dea_recorder *opened = calloc(1, sizeof *opened);
     if (opened == NULL)
