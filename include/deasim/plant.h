@@ -76,6 +76,27 @@ void dea_plant_short_film(struct dea_plant *plant, int zone, double conductance)
 /* Watches these events (bit 1 << kind) by root finding. */
 enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct dea_error *error);
 
+/* How the plant will move on from its present time if each film charge keeps its present rate: what a circuit needs to
+ * know of it. position(d) = sum of x[i] d^i, stretch(d) = sum of lam[i] d^i, d in s from the plant's time; both follow
+ * a decaying term fast * (1 - exp(-d / settling)) where a massless platform settles faster than the step. */
+struct dea_outlook {
+    double start;             /* s, the plant's time */
+    double x[4];              /* m, m/s, ... */
+    double fast, settling;    /* m, s; fast is 0 where there is none */
+    double lam[DEA_ZONES][4]; /* of zones that are slack; taut zones follow x */
+    bool slack[DEA_ZONES];
+    double softness[DEA_ZONES];                       /* d(C)/d(V^2) over the coming step, F/V^2 */
+    double charge[DEA_ZONES], charge_rate[DEA_ZONES]; /* C, A, at start */
+    double capacitance[DEA_ZONES];                    /* F, at start */
+};
+
+/* Looks ahead over a step of about `horizon` (s). DEA_RECOVERABLE outside the model. */
+enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *outlook);
+
+/* Position (m) and stretch of a zone at time t by an outlook. */
+double dea_outlook_position(const struct dea_outlook *outlook, double t);
+double dea_outlook_stretch(const struct dea_device *device, const struct dea_outlook *outlook, int zone, double t);
+
 /* What one step met. */
 struct dea_step {
     double from, to; /* s; dense output is valid in between */

@@ -13,6 +13,7 @@ struct native_run {
     const struct dea_run_options *options;
     struct dea_plant *plant;
     struct dea_plant_inputs inputs;
+    struct observed observed;
     struct observer *observer;
 };
 
@@ -160,9 +161,10 @@ enum dea_status run_native(const struct dea_scene *scene, const struct dea_run_o
     struct native_run run = {.scene = scene, .options = options};
     enum dea_status status = create_plant(&run, error);
     if (status == DEA_OK) {
+        run.observed = (struct observed){run.plant, &scene->devices[0].device, NULL};
         snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "%s",
                  dea_plant_is_algebraic(run.plant) ? "static" : "native");
-        status = observer_open(scene, options, scene->stop, &run.plant, 1, sink, result, &run.observer, error);
+        status = observer_open(scene, options, scene->stop, &run.observed, 1, sink, result, &run.observer, error);
     }
     if (status == DEA_OK) {
         dea_report_begin(options->report);

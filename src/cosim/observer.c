@@ -23,7 +23,7 @@ enum { ABSENT = -1, PORT_VALUES = 4 };
 struct observer {
     const struct dea_scene *scene;
     const struct dea_run_options *options;
-    struct dea_plant *const *plants;
+    const struct observed *observed;
     int plant_count;
     struct row_sink sink;
     struct dea_result *result;
@@ -67,12 +67,12 @@ static int find_column(const struct observer *o, int device, int zone, const cha
 
 static void name_signals(struct observer *o) {
     for (int d = 0; d < o->plant_count; d++) {
-        for (int i = 0; i < dea_plant_signal_count(o->plants[d]); i++) {
+        for (int i = 0; i < dea_plant_signal_count(o->observed[d].plant); i++) {
             struct dea_signal plain, *signal = &o->signals[o->first[d] + i];
-            dea_plant_signal(o->plants[d], i, &plain);
+            dea_plant_signal(o->observed[d].plant, i, &plain);
             *signal = plain;
-            if (o->plant_count > 1) /* "DEB.left.voltage" */
-                snprintf(signal->name, sizeof signal->name, "%.31s.%.63s", o->scene->devices[d].name, plain.name);
+            if (o->observed[d].name != NULL) /* "DEB.left.voltage" */
+                snprintf(signal->name, sizeof signal->name, "%.31s.%.63s", o->observed[d].name, plain.name);
         }
         for (int k = 0; k < DEA_ZONES; k++)
             o->ports[d * DEA_ZONES + k] = (struct port_columns){
@@ -114,7 +114,7 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
     if (o->first == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu devices", plants);
     for (size_t d = 0; d < plants; d++) {
-        count += (size_t)dea_plant_signal_count(o->plants[d]);
+        count += (size_t)dea_plant_signal_count(o->observed[d].plant);
         o->first[d + 1] = (int)count;
     }
     size_t room = count + o->scene->signal_count;
@@ -156,7 +156,7 @@ static void free_observer(struct observer *o) {
 }
 
 enum dea_status observer_open(const struct dea_scene *scene, const struct dea_run_options *options, double stop,
-                              struct dea_plant *const *plants, int plant_count, const struct row_sink *sink,
+                              const struct observed *observed, int count, const struct row_sink *sink,
                               struct dea_result *result, struct observer **observer, struct dea_error *error) {
     *observer = NULL;
     struct observer *o = calloc(1, sizeof *o);
@@ -164,8 +164,8 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
     *o = (struct observer){.scene = scene,
                            .options = options,
-                           .plants = plants,
-                           .plant_count = plant_count,
+                           .observed = observed,
+                           .plant_count = count,
                            .sink = *sink,
                            .result = result,
                            .stop = stop,
@@ -237,7 +237,7 @@ static enum dea_status send_row(struct observer *o, double t, const double *valu
 
 enum dea_status observer_start(struct observer *o, struct dea_error *error) {
     for (int d = 0; d < o->plant_count; d++) {
-        DEA_TRY(dea_plant_signals(o->plants[d], 0.0, o->values + o->first[d], error));
+        DEA_TRY(dea_plant_signals(o->observed[d].plant, 0.0, o->values + o->first[d], error));
         note_step_end(o, d, 0.0);
         o->reached[d] = 1;
     }
@@ -273,12 +273,12 @@ enum dea_status observer_follow(struct observer *o, int device, double from, dou
     for (double t = (double)o->reached[device] * o->sample; t <= to; t = (double)o->reached[device] * o->sample) {
         DEA_TRY(reserve_rows(o, o->reached[device], error));
         double *row = o->pending + (size_t)(o->reached[device] - o->next_sample) * o->result->signal_count;
-        DEA_TRY(dea_plant_signals(o->plants[device], t, row + o->first[device], error));
+        DEA_TRY(dea_plant_signals(o->observed[device].plant, t, row + o->first[device], error));
         for (int i = o->first[device]; i < o->first[device + 1]; i++)
             note_extreme(&o->result->stats[i], t, row[i]);
         o->reached[device]++;
     }
-    DEA_TRY(dea_plant_signals(o->plants[device], to, o->values + o->first[device], error));
+    DEA_TRY(dea_plant_signals(o->observed[device].plant, to, o->values + o->first[device], error));
     note_step_end(o, device, to);
     return DEA_OK;
 }
@@ -292,7 +292,7 @@ static void put_port(const struct observer *o, int device, int zone, const doubl
     values[columns->port_voltage] = port[1];
     values[columns->charge] = port[2];
     values[columns->current] = port[3];
-    values[columns->true_field] = dea_zone_field(&o->scene->devices[device].device, port[0], values[columns->stretch]);
+    values[columns->true_field] = dea_zone_field(o->observed[device].device, port[0], values[columns->stretch]);
 }
 
 enum dea_status observer_write(struct observer *o, double t, struct dea_error *error) {
@@ -328,7 +328,7 @@ void observer_note_port(struct observer *o, int device, int zone, double t, doub
                         const struct port_values *values) {
     const struct port_columns *columns = &o->ports[device * DEA_ZONES + zone];
     struct dea_signal_stats *stats = o->result->stats;
-    double field = dea_zone_field(&o->scene->devices[device].device, values->voltage, stretch);
+    double field = dea_zone_field(o->observed[device].device, values->voltage, stretch);
     const int index[] = {columns->voltage, columns->port_voltage, columns->charge, columns->current,
                          columns->true_field};
     const double value[] = {values->voltage, values->port_voltage, values->charge, values->current, field};
@@ -398,14 +398,14 @@ static void begin_booking(struct observer *o, int device, double t) {
 
 enum dea_policy observer_roots(struct observer *o, int device, double t, int *zone) {
     begin_booking(o, device, t);
-    dea_plant_roots(o->plants[device], book_event, o);
+    dea_plant_roots(o->observed[device].plant, book_event, o);
     *zone = o->short_zone;
     return o->wanted;
 }
 
 enum dea_policy observer_conditions(struct observer *o, int device, double t, int *zone) {
     begin_booking(o, device, t);
-    dea_plant_conditions(o->plants[device], book_event, o);
+    dea_plant_conditions(o->observed[device].plant, book_event, o);
     *zone = o->short_zone;
     return o->wanted;
 }
@@ -416,7 +416,7 @@ static enum dea_status gather_energy(struct observer *o, struct dea_error *error
     struct dea_energy *sum = &o->result->energy;
     for (int d = 0; d < o->plant_count; d++) {
         struct dea_energy e;
-        DEA_TRY(dea_plant_energy(o->plants[d], &e, error));
+        DEA_TRY(dea_plant_energy(o->observed[d].plant, &e, error));
         sum->in += e.in;
         sum->electrical += e.electrical;
         sum->load += e.load;
@@ -447,7 +447,7 @@ enum dea_status observer_close(struct observer *o, double t, bool failed, struct
         o->result->energy.imbalance = NAN;
     for (int d = 0; d < o->plant_count; d++) {
         struct dea_run_stats one, *all = &o->result->stats_run;
-        dea_plant_stats(o->plants[d], &one);
+        dea_plant_stats(o->observed[d].plant, &one);
         all->plant_steps += one.plant_steps;
         all->plant_rejected += one.plant_rejected;
         all->residuals += one.residuals;

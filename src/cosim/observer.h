@@ -15,9 +15,16 @@ struct row_sink {
     enum dea_status (*row)(void *context, double t, const double *values, size_t count, struct dea_error *error);
 };
 
-/* Plants in the order of the scene's devices. Fills result->signals, stats, events; all owned by the result. */
+/* One device in time. */
+struct observed {
+    struct dea_plant *plant;
+    const struct dea_device *device;
+    const char *name; /* goes before its signals, "DEB.left.voltage"; NULL: nothing, a single device */
+};
+
+/* `observed` must outlive the observer. Fills result->signals, stats, events; all owned by the result. */
 enum dea_status observer_open(const struct dea_scene *scene, const struct dea_run_options *options, double stop,
-                              struct dea_plant *const *plants, int plant_count, const struct row_sink *sink,
+                              const struct observed *observed, int count, const struct row_sink *sink,
                               struct dea_result *result, struct observer **observer, struct dea_error *error);
 
 /* First row, at the plants' start. */

@@ -1,0 +1,49 @@
+/* deasim: picks the command. */
+#include "cli/cli.h"
+
+#include <locale.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"run", "run a scene in time: result files, summary", cli_run},
+    {"check", "read and vet a scene with all its files, run nothing", cli_check},
+    {"test", "run scenes and judge their `expect`", cli_test},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static void print_help(FILE *file) {
+    fprintf(file, "deasim " DEASIM_VERSION ": dielectric elastomer actuators and their drive electronics, in time\n\n"
+                  "usage: deasim COMMAND [ARGUMENTS]   (deasim COMMAND --help tells more)\n\ncommands:\n");
+    for (int i = 0; i < COMMANDS; i++)
+        fprintf(file, "  %-8s %s\n", commands[i].name, commands[i].summary);
+    fprintf(file, "\nexit codes: 0 good, 1 an expectation failed, 2 bad input, 3 the solver gave up (results so far "
+                  "are kept), 4 internal\n");
+}
+
+int main(int argc, char **argv) {
+    setlocale(LC_ALL, "C"); /* numbers are read and written with a point, everywhere */
+    if (argc < 2) {
+        print_help(stderr);
+        return 2;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return 0;
+    }
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
+        puts("deasim " DEASIM_VERSION);
+        return 0;
+    }
+    for (int i = 0; i < COMMANDS; i++)
+        if (strcmp(argv[1], commands[i].name) == 0)
+            return commands[i].run(argc - 1, argv + 1);
+    fprintf(stderr, "deasim: unknown command \"%s\"; commands are:", argv[1]);
+    for (int i = 0; i < COMMANDS; i++)
+        fprintf(stderr, " %s", commands[i].name);
+    fprintf(stderr, " (deasim --help)\n");
+    return 2;
+}

@@ -1,0 +1,112 @@
+/* Shared options of the commands that read scenes. */
+#include "cli/options.h"
+
+#include "deasim/quantity.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OPTION_ACCURACY = 256, OPTION_SET, OPTION_JSON };
+
+static const struct option long_options[] = {
+    {"output", required_argument, NULL, 'o'},
+    {"accuracy", required_argument, NULL, OPTION_ACCURACY},
+    {"set", required_argument, NULL, OPTION_SET},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"quiet", no_argument, NULL, 'q'},
+    {"verbose", no_argument, NULL, 'v'},
+    {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+int cli_report(const char *command, const struct dea_error *error) {
+    fprintf(stderr, "deasim %s: %s\n", command, error->text);
+    return dea_exit_code(error->status);
+}
+
+enum dea_status cli_add_override(struct cli_options *options, const char *text) {
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text) {
+        fprintf(stderr, "deasim: --set %s: write key=value, for example --set transient.stop=\"10 ms\"\n", text);
+        return DEA_ERR_INPUT;
+    }
+    if (options->override_count == CLI_MAX_OVERRIDES) {
+        fprintf(stderr, "deasim: --set: at most %d overrides\n", CLI_MAX_OVERRIDES);
+        return DEA_ERR_INPUT;
+    }
+    char *copy = strdup(text);
+    if (copy == NULL)
+        return DEA_ERR_MEMORY;
+    copy[equals - text] = '\0';
+    options->override_texts[options->override_count] = copy;
+    options->overrides[options->override_count++] = (struct dea_override){copy, copy + (equals - text) + 1};
+    return DEA_OK;
+}
+
+static enum dea_status parse_accuracy(const char *text, double *accuracy) {
+    struct dea_error error;
+    if (dea_quantity_parse(text, "1", accuracy, &error) != DEA_OK || !(*accuracy >= 1e-12 && *accuracy <= 0.1)) {
+        fprintf(stderr, "deasim: --accuracy %s: a number from 1e-12 to 0.1 is allowed\n", text);
+        return DEA_ERR_INPUT;
+    }
+    return DEA_OK;
+}
+
+int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli_options *options) {
+    memset(options, 0, sizeof *options);
+    optind = 1;
+    for (int choice; (choice = getopt_long(argc, argv, "o:qvh", long_options, NULL)) != -1;) {
+        enum dea_status status = DEA_OK;
+        switch (choice) {
+        case 'o':
+            options->directory = optarg;
+            break;
+        case OPTION_ACCURACY:
+            status = parse_accuracy(optarg, &options->accuracy);
+            break;
+        case OPTION_SET:
+            status = cli_add_override(options, optarg);
+            break;
+        case OPTION_JSON:
+            options->json = true;
+            break;
+        case 'q':
+            options->quiet = true;
+            break;
+        case 'v':
+            options->verbose = true;
+            break;
+        case 'h':
+            fputs(usage, stdout);
+            return 0;
+        default: /* getopt has said what */
+            fprintf(stderr, "(deasim %s --help lists the options)\n", argv[0]);
+            return 2;
+        }
+        if (status != DEA_OK)
+            return dea_exit_code(status);
+    }
+    if (optind >= argc) {
+        fprintf(stderr, "deasim %s: name a scene file\n%s", argv[0], usage);
+        return 2;
+    }
+    return -1;
+}
+
+void cli_clear_options(struct cli_options *options) {
+    for (size_t i = 0; i < options->override_count; i++)
+        free(options->override_texts[i]);
+    options->override_count = 0;
+}
+
+enum dea_status cli_read_scene(const char *path, const struct cli_options *options, struct dea_scene *scene) {
+    struct dea_error error;
+    enum dea_status status = dea_scene_read(path, options->overrides, options->override_count, scene, &error);
+    if (status != DEA_OK)
+        fprintf(stderr, "%s\n", error.text);
+    else if (options->accuracy > 0.0)
+        scene->accuracy = options->accuracy;
+    return status;
+}
