@@ -43,10 +43,11 @@ enum dea_limit_mode {
     DEA_LIMIT_LAW,         /* the elastic law's margin falls to DEA_LAW_MARGIN_LIMIT (Gent, Arruda-Boyce) */
     DEA_LIMIT_PRESTRETCH,  /* failed before any voltage */
     DEA_LIMIT_INSTABILITY, /* the voltage turns over: electromechanical instability */
+    DEA_LIMIT_SUPPLY,      /* nothing failed up to the largest voltage of the supply (only where one is given) */
     DEA_LIMIT_COUNT
 };
 
-/* "none", "breakdown", "slack1", "slack2", "gent", "prestretch", "instability". */
+/* "none", "breakdown", "slack1", "slack2", "gent", "prestretch", "instability", "supply". */
 extern const char *const dea_limit_names[DEA_LIMIT_COUNT];
 
 #define DEA_LAW_MARGIN_LIMIT 1e-3 /* fraction of the law's range (Gent: D/Jm) below which it counts as hit */

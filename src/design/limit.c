@@ -4,8 +4,16 @@
 #include <math.h>
 #include <stddef.h>
 
-const char *const dea_limit_names[DEA_LIMIT_COUNT] = {"none", "breakdown",  "slack1",     "slack2",
-                                                      "gent", "prestretch", "instability"};
+const char *const dea_limit_names[DEA_LIMIT_COUNT] = {
+    [DEA_LIMIT_NONE] = "none",
+    [DEA_LIMIT_BREAKDOWN] = "breakdown",
+    [DEA_LIMIT_SLACK1] = "slack1",
+    [DEA_LIMIT_SLACK2] = "slack2",
+    [DEA_LIMIT_LAW] = "gent",
+    [DEA_LIMIT_PRESTRETCH] = "prestretch",
+    [DEA_LIMIT_INSTABILITY] = "instability",
+    [DEA_LIMIT_SUPPLY] = "supply",
+};
 
 static double breakdown_field(const struct dea_device *device, double lam) {
     double thickness = device->thickness * device->prestretch[0] / lam;
@@ -60,5 +68,11 @@ enum dea_status dea_static_limit(const struct dea_device *device, double right_v
     limit->voltage = sqrt(fmax(end.before.voltage_squared, 0.0));
     limit->stretch = end.before.lam[0] / device->prestretch[0];
     limit->true_field = end.before.field[0];
+    /* at breakdown the field is known, and better than from a stretch rounded to a double */
+    double strength = breakdown_field(&relaxed, end.after.lam[0]);
+    if (limit->mode == DEA_LIMIT_BREAKDOWN && end.before.field[0] < strength && end.after.field[0] >= strength) {
+        limit->true_field = strength;
+        limit->voltage = strength * relaxed.thickness / limit->stretch;
+    }
     return DEA_OK;
 }
