@@ -24,6 +24,7 @@ find_pkgconfig(CMOCKA cmocka libcmocka-dev)
 find_pkgconfig(NGSPICE ngspice libngspice0-dev)
 find_pkgconfig(HDF5 hdf5-serial libhdf5-dev)
 find_pkgconfig(NLOPT nlopt libnlopt-dev)
+find_pkgconfig(CMINPACK cminpack libcminpack-dev)
 
 # The configuration of SUNDIALS stops by itself when KLU is not there, so KLU is looked for first.
 find_path(KLU_INCLUDE klu.h PATH_SUFFIXES suitesparse NO_CACHE)
@@ -40,6 +41,7 @@ find_library(UDUNITS_LIBRARY udunits2 NO_CACHE)
 if(NOT UDUNITS_INCLUDE OR NOT UDUNITS_LIBRARY)
     list(APPEND missing_packages libudunits2-dev)
 endif()
+find_package(Threads REQUIRED)
 
 if(missing_packages)
     list(JOIN missing_packages " " missing_packages)
@@ -50,4 +52,5 @@ endif()
 add_library(deasim_dependencies INTERFACE)
 target_include_directories(deasim_dependencies SYSTEM INTERFACE ${UDUNITS_INCLUDE})
 target_link_libraries(deasim_dependencies INTERFACE SUNDIALS::idas SUNDIALS::nvecserial SUNDIALS::sunlinsoldense
-    SUNDIALS::sunlinsolklu PkgConfig::CJSON PkgConfig::YAML PkgConfig::HDF5 PkgConfig::NGSPICE ${UDUNITS_LIBRARY} m)
+    SUNDIALS::sunlinsolklu PkgConfig::CJSON PkgConfig::YAML PkgConfig::HDF5 PkgConfig::NGSPICE PkgConfig::NLOPT
+    PkgConfig::CMINPACK Threads::Threads ${UDUNITS_LIBRARY} m)
