@@ -70,6 +70,11 @@ double dea_zone_field(const struct dea_device *device, double voltage, double la
 /* R_e (Ohm) of a zone at stretch lam1 and its derivative by lam1 (may be NULL). */
 double dea_zone_resistance(const struct dea_device *device, int zone, double lam1, double *slope);
 
+/* Leakage current (A) through a zone's film at stretch lam1 and film voltage V, with derivatives by V (S) and lam1 (A),
+ * which may be NULL. Density sigma(E) E on the deformed area. */
+double dea_zone_leakage(const struct dea_device *device, int zone, double lam1, double voltage, double *by_voltage,
+                        double *by_stretch);
+
 /* Force of the end stops on the platform (N), with derivatives by x and v; their stored energy (J) and lost power (W).
  * Any output pointer may be NULL. */
 double dea_stop_force(const struct dea_device *device, double x, double v, double *df_dx, double *df_dv, double *energy,

@@ -62,6 +62,11 @@ bool dea_plant_is_algebraic(const struct dea_plant *plant);
 enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
                                 enum dea_start start, const double *x, const double *v, struct dea_error *error);
 
+/* Charges (C) that hold given film voltages at rest, for charge ports: fills inputs->charge with constants. Same rest
+ * state as dea_plant_start then finds. */
+enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double voltages[DEA_ZONES], enum dea_start start,
+                                       const double *x, struct dea_plant_inputs *inputs, struct dea_error *error);
+
 /* Puts new inputs in force at the current time and restarts the integrator with a consistent state; the work done by a
  * jump of an ideal source is booked. */
 enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,

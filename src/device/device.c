@@ -112,6 +112,24 @@ double dea_zone_resistance(const struct dea_device *device, int zone, double lam
     return z->electrode_resistance + sheet / aspect;
 }
 
+double dea_zone_leakage(const struct dea_device *device, int zone, double lam1, double voltage, double *by_voltage,
+                        double *by_stretch) {
+    double current = 0.0, by_v = 0.0, by_lam = 0.0;
+    if (device->material.dielectric.conductivity > 0.0) {
+        double per_lam = device->width * device->zones[zone].length / device->prestretch[0];
+        double field_per_volt = lam1 / (device->thickness * device->prestretch[0]);
+        double slope, density = dea_leakage_density(&device->material.dielectric, voltage * field_per_volt, &slope);
+        current = density * per_lam * lam1;
+        by_v = slope * field_per_volt * per_lam * lam1;
+        by_lam = slope * voltage * field_per_volt * per_lam + density * per_lam;
+    }
+    if (by_voltage != NULL)
+        *by_voltage = by_v;
+    if (by_stretch != NULL)
+        *by_stretch = by_lam;
+    return current;
+}
+
 double dea_stop_force(const struct dea_device *device, double x, double v, double *df_dx, double *df_dv, double *energy,
                       double *loss) {
     double force = 0.0, by_x = 0.0, by_v = 0.0, stored = 0.0, lost = 0.0;

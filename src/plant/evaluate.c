@@ -11,21 +11,11 @@ double plant_charge_value(const struct dea_charge_piece *piece, double t, double
     return c[0] + d * (c[1] + d * (c[2] + d * c[3]));
 }
 
-/* Leakage through the film, area and field of the deformed film (physics.md section 6), plus a short. */
+/* Leakage through the film, plus a short. */
 void plant_leak_through_film(const struct dea_plant *plant, int k, struct zone_point *point) {
-    const struct dea_device *device = plant->device;
-    double v = point->film.voltage, lam = point->film.lam, shunt = plant->short_conductance[k];
-    point->leak = shunt * v;
-    point->leak_v = shunt;
-    point->leak_lam = 0.0;
-    if (device->material.dielectric.conductivity <= 0.0)
-        return;
-    double per_lam = device->width * device->zones[k].length / device->prestretch[0];
-    double field_per_volt = lam / (device->thickness * device->prestretch[0]);
-    double slope, density = dea_leakage_density(&device->material.dielectric, v * field_per_volt, &slope);
-    point->leak += density * per_lam * lam;
-    point->leak_v += slope * field_per_volt * per_lam * lam;
-    point->leak_lam += slope * v * field_per_volt * per_lam + density * per_lam;
+    double v = point->film.voltage, shunt = plant->short_conductance[k];
+    point->leak = dea_zone_leakage(plant->device, k, point->film.lam, v, &point->leak_v, &point->leak_lam) + shunt * v;
+    point->leak_v += shunt;
 }
 
 /* Current of a source port through its resistances, limited by the amplifier. */
@@ -68,7 +58,7 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
                                 : "the right zone left the model (elastic limit, collapse or pull-in)";
         return DEA_RECOVERABLE;
     }
-    if (zone->kind != DEA_PORT_PASSIVE)
+    if (zone->kind == DEA_PORT_SOURCE || zone->kind == DEA_PORT_IDEAL)
         plant_leak_through_film(plant, k, point);
     if (zone->kind == DEA_PORT_SOURCE)
         plant_drive_current(plant, k, point);
@@ -165,15 +155,17 @@ void plant_losses(const struct dea_plant *plant, double t, double x, double rate
             losses[LOSS_BRANCH] += device->zones[k].volume * point->branches[b].dissipation;
         if (zone->kind == DEA_PORT_PASSIVE)
             continue;
+        if (zone->kind == DEA_PORT_CHARGE) { /* leakage and R_e belong to the circuit */
+            losses[LOSS_WORK] += point->film.voltage * point->e_rate;
+            continue;
+        }
         double leaked = point->film.voltage * point->leak;
         losses[LOSS_LEAKAGE] += leaked;
         if (zone->kind == DEA_PORT_SOURCE) {
             losses[LOSS_WORK] += point->emf * point->current;
             losses[LOSS_RESISTIVE] += (point->emf - point->film.voltage) * point->current;
-        } else if (zone->kind == DEA_PORT_IDEAL) { /* V dQ = d(Q V) - Q dV: needs no rate of an algebraic unknown */
+        } else { /* V dQ = d(Q V) - Q dV: needs no rate of an algebraic unknown */
             losses[LOSS_WORK] += leaked - point->film.charge * point->e_rate;
-        } else {
-            losses[LOSS_WORK] += leaked + point->film.voltage * point->e_rate;
         }
     }
 }

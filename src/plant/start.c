@@ -13,6 +13,7 @@ struct rest_task {
     struct dea_device elastic; /* the device without branches, used while they are relaxed */
     bool relaxed;
     double t;
+    const double *voltages;           /* film voltages of charge ports; NULL: their charges are given */
     struct dea_film films[DEA_ZONES]; /* of the last position */
 };
 
@@ -57,7 +58,10 @@ static enum dea_status rest_force(void *context, double x, double *force) {
         struct zone_point *point = &plant->points[k];
         if (!zone->present)
             continue;
-        if (zone->kind == DEA_PORT_SOURCE) {
+        if (zone->kind == DEA_PORT_CHARGE && task->voltages != NULL) {
+            DEA_TRY(dea_film_respond(device, k, DEA_CONTROL_VOLTAGE, x, task->voltages[k], point->states, false,
+                                     point->branches, &task->films[k]));
+        } else if (zone->kind == DEA_PORT_SOURCE) {
             DEA_TRY(settle_film_voltage(task, device, k, x, dea_piece_value(&plant->inputs.source[k], task->t, NULL)));
         } else {
             double e = zone->kind == DEA_PORT_IDEAL    ? dea_piece_value(&plant->inputs.source[k], task->t, NULL)
@@ -167,27 +171,49 @@ static enum dea_status make_consistent(struct dea_plant *plant, struct dea_error
     return plant_restart_integrator(plant, error);
 }
 
-enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
-                                enum dea_start start, const double *x, const double *v, struct dea_error *error) {
-    plant->inputs = *inputs;
-    plant->t = plant->t_previous = t;
-    struct rest_task task = {
-        .plant = plant, .elastic = *plant->device, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
-    task.elastic.material.branches = NULL;
-    task.elastic.material.branch_count = 0;
-    if (start == DEA_START_FRESH)
+/* Finds the resting position: given, or downhill from x = 0. Leaves the films of that position in the task. */
+static enum dea_status find_rest(struct rest_task *task, const double *x, double *position, struct dea_error *error) {
+    struct dea_plant *plant = task->plant;
+    task->elastic = *plant->device;
+    task->elastic.material.branches = NULL;
+    task->elastic.material.branch_count = 0;
+    if (!task->relaxed)
         set_fresh_branches(plant);
-
-    double position = x != NULL ? *x : 0.0, force, shortest = shortest_zone(plant->device);
-    enum dea_status status = x != NULL ? rest_force(&task, position, &force)
-                                       : plant_find_balance(rest_force, &task, 0.0, 1e-3 * shortest,
-                                                            plant->device->stiffness * shortest, &position);
+    double force, shortest = shortest_zone(plant->device);
+    enum dea_status status = DEA_OK;
+    if (x != NULL)
+        *position = *x;
+    else
+        status =
+            plant_find_balance(rest_force, task, 0.0, 1e-3 * shortest, plant->device->stiffness * shortest, position);
     if (status == DEA_OK) /* films of the final position, not of the last trial */
-        status = rest_force(&task, position, &force);
+        status = rest_force(task, *position, &force);
     if (status != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER,
                         "no static equilibrium at the start: the drive's initial voltages or the load "
                         "are beyond what the membrane can hold");
+    return DEA_OK;
+}
+
+enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double voltages[DEA_ZONES], enum dea_start start,
+                                       const double *x, struct dea_plant_inputs *inputs, struct dea_error *error) {
+    plant->inputs = *inputs;
+    struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .voltages = voltages};
+    double position;
+    DEA_TRY(find_rest(&task, x, &position, error));
+    for (int k = 0; k < DEA_ZONES; k++)
+        if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_CHARGE)
+            inputs->charge[k] = (struct dea_charge_piece){.c = {task.films[k].charge}};
+    return DEA_OK;
+}
+
+enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
+                                enum dea_start start, const double *x, const double *v, struct dea_error *error) {
+    plant->inputs = *inputs;
+    plant->t = plant->t_previous = t;
+    struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
+    double position;
+    DEA_TRY(find_rest(&task, x, &position, error));
     store_rest(plant, &task, position, v != NULL ? *v : 0.0);
     N_VConst(0.0, plant->quad);
     DEA_TRY(make_consistent(plant, error));

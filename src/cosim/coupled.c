@@ -1,0 +1,245 @@
+/* One device between plant and circuit. */
+#include "cosim/coupled.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The part of a capacitance that its own voltage may explain within one step. */
+#define MAX_SOFT_PART 0.5
+
+enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
+                               struct dea_error *error) {
+    *coupled = (struct coupled){.device = device, .told_at = NAN};
+    struct dea_plant_options options = {.accuracy = accuracy, .load_peak = fabs(device->load)};
+    for (int k = 0; k < DEA_ZONES; k++) {
+        if (!device->zones[k].present || !device->zones[k].electroded)
+            continue;
+        coupled->zones[coupled->port_count++] = k;
+        options.ports[k] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = peak};
+    }
+    return dea_plant_create(device, &options, &coupled->plant, error);
+}
+
+void coupled_clear(struct coupled *coupled) {
+    dea_plant_destroy(coupled->plant);
+    for (int p = 0; p < DEA_ZONES; p++)
+        window_clear(&coupled->windows[p]);
+    memset(coupled, 0, sizeof *coupled);
+}
+
+/* ---- what the circuit is told ---- */
+
+/* All numbers of one time at once; a circuit asks for each of them in each Newton iteration. */
+static void tell_all(struct coupled *coupled, double t) {
+    const struct dea_outlook *outlook = &coupled->outlook;
+    double ahead = fmax(t - outlook->start, 0.0);
+    coupled->told_at = t;
+    coupled->position = dea_outlook_position(outlook, outlook->start + ahead);
+    for (int p = 0; p < coupled->port_count; p++) {
+        int k = coupled->zones[p];
+        double lam = dea_outlook_stretch(coupled->device, outlook, k, outlook->start + ahead),
+               rest = coupled->rest_stretch[k];
+        lam = fmin(fmax(lam, 0.2 * rest), 5.0 * rest);
+        double c = dea_zone_capacitance(coupled->device, k, lam, NULL, NULL);
+        /* C(t, V) = c0 + k V^2 passes through the outlook's own capacitance and voltage */
+        double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v, soft = outlook->softness[k];
+        if (soft * v2 > MAX_SOFT_PART * c)
+            soft = MAX_SOFT_PART * c / v2;
+        coupled->c0[p] = c - soft * v2;
+        coupled->k[p] = soft;
+        coupled->stretch[p] = lam;
+        coupled->resistance[p] = dea_zone_resistance(coupled->device, k, lam, NULL);
+    }
+}
+
+double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t) {
+    if (t != coupled->told_at)
+        tell_all(coupled, t);
+    switch (which) {
+    case DEA_EXTERNAL_CAPACITANCE:
+        return coupled->c0[port];
+    case DEA_EXTERNAL_CURVATURE:
+        return coupled->k[port];
+    case DEA_EXTERNAL_RESISTANCE:
+        return coupled->resistance[port];
+    case DEA_EXTERNAL_STRETCH:
+        return coupled->stretch[port];
+    default:
+        return coupled->position;
+    }
+}
+
+/* ---- start ---- */
+
+static enum dea_status look_ahead(struct coupled *coupled, double horizon, struct dea_error *error) {
+    coupled->told_at = NAN;
+    if (dea_plant_look_ahead(coupled->plant, horizon, &coupled->outlook) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the device left the model", dea_plant_time(coupled->plant));
+    return DEA_OK;
+}
+
+enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
+                             const double *x, const double *v, struct dea_error *error) {
+    struct dea_plant_inputs inputs = {.load = {.kind = DEA_PIECE_LINE, .end = INFINITY}};
+    double voltages[DEA_ZONES] = {0.0, 0.0};
+    for (int p = 0; p < coupled->port_count; p++)
+        voltages[coupled->zones[p]] = film_voltages[p];
+    DEA_TRY(dea_plant_rest_charges(coupled->plant, voltages, start, x, &inputs, error));
+    DEA_TRY(dea_plant_start(coupled->plant, 0.0, &inputs, start, x, v, error));
+    DEA_TRY(look_ahead(coupled, 1e-6, error));
+    for (int k = 0; k < DEA_ZONES; k++)
+        coupled->rest_stretch[k] = dea_outlook_stretch(coupled->device, &coupled->outlook, k, 0.0);
+    coupled->film_work = coupled->resistive = coupled->leakage = 0.0;
+    for (int p = 0; p < coupled->port_count; p++) {
+        int k = coupled->zones[p];
+        struct window_point first = {0.0, coupled->outlook.charge[k], 0.0};
+        if (window_begin(&coupled->windows[p], &first) != DEA_OK)
+            return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
+        coupled->last[p] = (struct port_values){film_voltages[p], film_voltages[p], first.q, 0.0};
+    }
+    return DEA_OK;
+}
+
+/* ---- circuit points ---- */
+
+/* Film voltage that holds charge q at time t under the capacitance told. */
+static double film_voltage(struct coupled *coupled, int port, double t, double q, double guess) {
+    if (t != coupled->told_at)
+        tell_all(coupled, t);
+    double c0 = coupled->c0[port], k = coupled->k[port], v = guess;
+    for (int i = 0; i < 8; i++) {
+        double step = ((c0 + k * v * v) * v - q) / (c0 + 3.0 * k * v * v);
+        v -= step;
+        if (fabs(step) <= 1e-14 * fabs(v))
+            break;
+    }
+    return v;
+}
+
+/* Rows between two circuit points: charge from the Hermite cubic, the rest from it. */
+static enum dea_status sample_port(struct coupled *coupled, int index, int port, const struct window_point *a,
+                                   const struct window_point *b, const struct port_values *before,
+                                   const struct port_values *after, struct observer *observer,
+                                   struct dea_error *error) {
+    double interval = observer_sample_interval(observer);
+    long sample = (long)fmax(floor(a->t / interval), (double)observer_next_sample(observer) - 1.0);
+    for (; (double)sample * interval <= b->t; sample++) {
+        double t = (double)sample * interval, rate, part = (t - a->t) / (b->t - a->t);
+        if (t <= a->t || sample < observer_next_sample(observer))
+            continue;
+        struct port_values values;
+        values.charge = window_value(a, b, t, &rate);
+        values.voltage =
+            film_voltage(coupled, port, t, values.charge, before->voltage + part * (after->voltage - before->voltage));
+        double drop =
+            (1.0 - part) * (before->port_voltage - before->voltage) + part * (after->port_voltage - after->voltage);
+        double leak = (1.0 - part) * (before->current - a->i) + part * (after->current - b->i);
+        values.port_voltage = values.voltage + drop;
+        values.current = rate + leak;
+        DEA_TRY(observer_sample_port(observer, index, coupled->zones[port], sample, &values, error));
+    }
+    return DEA_OK;
+}
+
+/* Work on the film, and losses in R_e and leakage, over one circuit step; Simpson with the cubic's middle. */
+static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b,
+                      const struct port_values *before, const struct port_values *after) {
+    double h = b->t - a->t, rate, middle = 0.5 * (a->t + b->t), q = window_value(a, b, middle, &rate);
+    double v = film_voltage(coupled, port, middle, q, 0.5 * (before->voltage + after->voltage));
+    coupled->film_work += h / 6.0 * (before->voltage * a->i + 4.0 * v * rate + after->voltage * b->i);
+    double lost_before = (before->port_voltage - before->voltage) * before->current;
+    double lost_after = (after->port_voltage - after->voltage) * after->current;
+    coupled->resistive += 0.5 * h * (lost_before + lost_after);
+    coupled->leakage +=
+        0.5 * h * (before->voltage * (before->current - a->i) + after->voltage * (after->current - b->i));
+}
+
+enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
+                             const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error) {
+    for (int p = 0; p < coupled->port_count; p++) {
+        struct window *window = &coupled->windows[p];
+        int k = coupled->zones[p];
+        struct window_point point = {to, ports[p].charge, ports[p].current};
+        double lam = coupled->stretch[p];
+        struct port_values values = {ports[p].film_voltage, ports[p].port_voltage, ports[p].charge,
+                                     ports[p].current +
+                                         dea_zone_leakage(coupled->device, k, lam, ports[p].film_voltage, NULL, NULL)};
+        if (to > from) {
+            const struct window_point *last = &window->points[window->count - 1];
+            book_work(coupled, p, last, &point, &coupled->last[p], &values);
+            DEA_TRY(sample_port(coupled, index, p, last, &point, &coupled->last[p], &values, observer, error));
+            if (window_add(window, &point) != DEA_OK)
+                return dea_fail(error, DEA_ERR_MEMORY, "t = %.9g s: out of memory for the circuit's points", to);
+        } else { /* the very first point: the current at rest */
+            window->points[0].i = point.i;
+        }
+        observer_note_port(observer, index, k, to, lam, &values);
+        coupled->last[p] = values;
+    }
+    return DEA_OK;
+}
+
+/* ---- exchange ---- */
+
+/* Charge pieces of all ports over a common stretch of points, as long as every port allows. */
+static size_t fit_pieces(const struct coupled *coupled, size_t first, double fit_tolerance,
+                         struct dea_charge_piece *pieces) {
+    size_t last = coupled->windows[0].count - 1;
+    for (int settled = 0, p = 0; settled < coupled->port_count; p = (p + 1) % coupled->port_count) {
+        size_t reach = window_fit(&coupled->windows[p], first, last, fit_tolerance, &pieces[p]);
+        settled = reach == last ? settled + 1 : 1;
+        last = reach;
+    }
+    return last;
+}
+
+static enum dea_status follow_piece(struct coupled *coupled, int index, double end, struct observer *observer,
+                                    struct exchange *exchange, struct dea_error *error) {
+    while (dea_plant_time(coupled->plant) < end) {
+        struct dea_step step;
+        DEA_TRY(dea_plant_step(coupled->plant, end, &step, error));
+        DEA_TRY(observer_follow(observer, index, step.from, step.to, error));
+        if (!step.root)
+            continue;
+        int zone;
+        enum dea_policy policy = observer_roots(observer, index, step.to, &zone);
+        if (policy > exchange->policy) {
+            exchange->policy = policy;
+            exchange->zone = zone;
+        }
+        if (policy == DEA_POLICY_STOP)
+            return DEA_OK;
+    }
+    return DEA_OK;
+}
+
+enum dea_status coupled_exchange(struct coupled *coupled, int index, double horizon, double fit_tolerance,
+                                 struct observer *observer, struct exchange *exchange, struct dea_error *error) {
+    *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE, .zone = -1};
+    double reckoned[DEA_ZONES];
+    size_t last = coupled->windows[0].count - 1;
+    double end = coupled->windows[0].points[last].t;
+    for (int p = 0; p < coupled->port_count; p++) {
+        coupled_tell(coupled, p, DEA_EXTERNAL_CAPACITANCE, end);
+        reckoned[p] = coupled->c0[p] + coupled->k[p] * coupled->last[p].voltage * coupled->last[p].voltage;
+    }
+    for (size_t first = 0; first < last && exchange->policy != DEA_POLICY_STOP;) {
+        struct dea_charge_piece pieces[DEA_ZONES];
+        size_t next = fit_pieces(coupled, first, fit_tolerance, pieces);
+        for (int p = 0; p < coupled->port_count; p++)
+            dea_plant_set_charge(coupled->plant, coupled->zones[p], &pieces[p]);
+        DEA_TRY(follow_piece(coupled, index, coupled->windows[0].points[next].t, observer, exchange, error));
+        first = next;
+    }
+    DEA_TRY(look_ahead(coupled, horizon, error));
+    for (int p = 0; p < coupled->port_count; p++) {
+        int k = coupled->zones[p];
+        double actual = coupled->outlook.capacitance[k];
+        exchange->mismatch = fmax(exchange->mismatch, fabs(reckoned[p] - actual) / actual);
+        struct window_point kept = coupled->windows[p].points[last];
+        coupled->outlook.charge[k] = kept.q;
+        if (window_begin(&coupled->windows[p], &kept) != DEA_OK)
+            return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
+    }
+    return DEA_OK;
+}

@@ -1,0 +1,54 @@
+/* One device in a circuit: its plant, the charge the circuit delivered since the last exchange, and the capacitances
+ * the circuit is told until the next one. */
+#ifndef DEASIM_COSIM_COUPLED_H
+#define DEASIM_COSIM_COUPLED_H
+
+#include "circuit/engine.h"
+#include "cosim/observer.h"
+#include "cosim/window.h"
+
+struct coupled {
+    const struct dea_device *device;
+    struct dea_plant *plant;
+    int port_count;
+    int zones[DEA_ZONES];             /* zone of each port */
+    struct window windows[DEA_ZONES]; /* per port */
+    struct dea_outlook outlook;       /* since the last exchange */
+    double rest_stretch[DEA_ZONES];   /* bounds what a wild outlook may say */
+    /* what the circuit is told at `told_at`, per port */
+    double told_at;                     /* s */
+    double c0[DEA_ZONES], k[DEA_ZONES]; /* F, F/V^2 */
+    double stretch[DEA_ZONES], resistance[DEA_ZONES];
+    double position; /* m */
+    /* the circuit's side of the energy balance, J */
+    double film_work, resistive, leakage;
+    struct port_values last[DEA_ZONES]; /* at the last circuit point */
+};
+
+/* Creates the plant with one charge port per electroded zone. */
+enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
+                               struct dea_error *error);
+void coupled_clear(struct coupled *coupled);
+
+/* Rests the device at these film voltages (per port): start state and outlook. */
+enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
+                             const double *x, const double *v, struct dea_error *error);
+
+/* What the circuit asks at time t. */
+double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t);
+
+/* Takes in an accepted circuit point: `ports` of this device. Books work and notes it with the observer. */
+enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
+                             const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error);
+
+/* Moves the plant to the last taken point. *mismatch receives the largest relative difference between the capacitance
+ * the circuit reckoned with and the one the plant has. `policy` the strongest wish of events met. */
+struct exchange {
+    double mismatch;
+    enum dea_policy policy;
+    int zone;
+};
+enum dea_status coupled_exchange(struct coupled *coupled, int index, double horizon, double fit_tolerance,
+                                 struct observer *observer, struct exchange *exchange, struct dea_error *error);
+
+#endif
