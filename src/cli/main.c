@@ -12,6 +12,7 @@ static const struct {
     {"run", "run a scene in time: result files, summary", cli_run},
     {"check", "read and vet a scene with all its files, run nothing", cli_check},
     {"test", "run scenes and judge their `expect`", cli_test},
+    {"static", "equilibrium of a device at voltages or fields, and its first failure", cli_static},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
