@@ -1,21 +1,17 @@
 /* A design map as map.csv, and as map.png drawn by gnuplot from a script that stays beside it. */
 #include "deasim/map.h"
 
+#include "deasim/gnuplot.h"
+#include "deasim/result.h"
+
 #include <errno.h>
-#include <float.h>
 #include <math.h>
-#include <spawn.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
 
 #define CONTOURS 10
 #define MAX_PATH 4096
-
-extern char **environ;
 
 /* How a quantity is labelled on the picture. */
 static const struct {
@@ -40,9 +36,8 @@ static enum dea_status join_path(const char *directory, const char *name, char p
 static enum dea_status open_file(const char *directory, const char *name, FILE **file, struct dea_error *error) {
     char path[MAX_PATH];
     DEA_TRY(join_path(directory, name, path, error));
-    if (mkdir(directory, 0777) != 0 && errno != EEXIST)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s: the folder cannot be made: %s", directory, strerror(errno));
-    *file = fopen(path, "w");
+    DEA_TRY(dea_directory_make(directory, error));
+    *file = fopen(path, "we");
     if (*file == NULL)
         return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", path, strerror(errno));
     return DEA_OK;
@@ -184,11 +179,9 @@ static void write_axis(FILE *file, char name, const struct dea_map_axis *axis) {
 static enum dea_status write_script(FILE *file, const struct dea_map *map, const struct dea_map_best *best,
                                     const char *directory, struct dea_error *error) {
     const struct dea_design_key_info *x = &dea_design_keys[map->x.key], *y = &dea_design_keys[map->y.key];
-    fprintf(file, "set terminal pngcairo size 1000,760 font 'sans,12'\nset output ");
-    char path[MAX_PATH];
-    DEA_TRY(join_path(directory, "map.png", path, error));
-    write_quoted(file, path);
-    fprintf(file, "\nset encoding utf8\nset datafile separator ','\nset termoption noenhanced\nunset key\n"
+    /* the picture goes to gnuplot's standard output */
+    fprintf(file, "set terminal pngcairo size 1000,760 font 'sans,12'\nset encoding utf8\nset datafile separator "
+                  "','\nset termoption noenhanced\nunset key\n"
                   "set object 1 rectangle from graph 0,0 to graph 1,1 fillcolor '#a0a0a0' fillstyle solid behind\n"
                   "set palette defined (0 '#30123b', 0.13 '#4145ab', 0.25 '#4675ed', 0.38 '#1bcfd4', 0.5 '#61fc6c', "
                   "0.63 '#d1e834', 0.75 '#fe9b2d', 0.88 '#d93806', 1 '#7a0403')\n"
@@ -212,6 +205,7 @@ static enum dea_status write_script(FILE *file, const struct dea_map *map, const
     DEA_TRY(status);
 
     fprintf(file, "plot ");
+    char path[MAX_PATH];
     DEA_TRY(join_path(directory, "map.csv", path, error));
     write_quoted(file, path);
     fprintf(file, " skip 1 using ($1*%g):($2*%g):($3*%g) with image notitle", x->factor, y->factor,
@@ -231,32 +225,21 @@ static enum dea_status write_script(FILE *file, const struct dea_map *map, const
     return DEA_OK;
 }
 
-/* Runs gnuplot on a script; its own words go to stderr. */
-static enum dea_status run_gnuplot(const char *script, struct dea_error *error) {
-    char program[] = "gnuplot", path[MAX_PATH];
-    snprintf(path, sizeof path, "%s", script);
-    char *arguments[] = {program, path, NULL};
-    pid_t child;
-    int state, problem = posix_spawnp(&child, program, NULL, NULL, arguments, environ);
-    if (problem != 0)
-        return dea_fail(error, DEA_ERR_OUTPUT, "gnuplot cannot be run: %s", strerror(problem));
-    while (waitpid(child, &state, 0) < 0)
-        if (errno != EINTR)
-            return dea_fail(error, DEA_ERR_OUTPUT, "gnuplot was lost: %s", strerror(errno));
-    if (!WIFEXITED(state) || WEXITSTATUS(state) != 0)
-        return dea_fail(error, DEA_ERR_OUTPUT, "gnuplot failed on %s", script);
-    return DEA_OK;
-}
-
 enum dea_status dea_map_draw(const struct dea_map *map, const struct dea_map_best *best, const char *directory,
                              struct dea_error *error) {
     FILE *file;
-    char path[MAX_PATH];
+    char script[MAX_PATH], picture[MAX_PATH];
+    DEA_TRY(join_path(directory, "map.gnuplot", script, error));
+    DEA_TRY(join_path(directory, "map.png", picture, error));
     DEA_TRY(open_file(directory, "map.gnuplot", &file, error));
     enum dea_status status = write_script(file, map, best, directory, error);
     enum dea_status closed = close_file(file, directory, "map.gnuplot", status == DEA_OK ? error : NULL);
     DEA_TRY(status);
     DEA_TRY(closed);
-    DEA_TRY(join_path(directory, "map.gnuplot", path, error));
-    return run_gnuplot(path, error);
+    file = fopen(script, "re");
+    if (file == NULL)
+        return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", script, strerror(errno));
+    status = dea_gnuplot_draw(file, picture, error);
+    fclose(file);
+    return status;
 }

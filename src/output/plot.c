@@ -1,20 +1,16 @@
 /* The picture of a run: reads the result and its summary, has gnuplot draw, keeps the PNG. */
 #include "plot_internal.h"
 
+#include "deasim/gnuplot.h"
+
 #include <cJSON.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #define LARGEST_SUMMARY ((size_t)1 << 26) /* bytes */
-
-extern char **environ;
 
 /* ---- what the summary says ---- */
 
@@ -90,98 +86,6 @@ static void read_caption(const char *directory, struct dea_caption *caption) {
     cJSON_Delete(summary);
 }
 
-/* ---- gnuplot ---- */
-
-/* Starts gnuplot with its default settings, script as standard input, picture as standard output. 0 or an errno. */
-static int spawn_gnuplot(int script, int picture, int messages, pid_t *child) {
-    static char name[] = "gnuplot", defaults[] = "-d";
-    char *const arguments[] = {name, defaults, NULL};
-    posix_spawn_file_actions_t actions;
-    int trouble = posix_spawn_file_actions_init(&actions);
-    if (trouble != 0)
-        return trouble;
-    trouble = posix_spawn_file_actions_adddup2(&actions, script, STDIN_FILENO);
-    if (trouble == 0)
-        trouble = posix_spawn_file_actions_adddup2(&actions, picture, STDOUT_FILENO);
-    if (trouble == 0)
-        trouble = posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
-    if (trouble == 0)
-        trouble = posix_spawnp(child, name, &actions, NULL, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return trouble;
-}
-
-/* First line gnuplot complained with, past the echo of the script and its caret. */
-static void read_complaint(FILE *messages, char *complaint, size_t size) {
-    char line[512];
-    complaint[0] = '\0';
-    rewind(messages);
-    while (fgets(line, sizeof line, messages) != NULL) {
-        line[strcspn(line, "\n")] = '\0';
-        if (line[strspn(line, " \t^")] != '\0')
-            dea_header_text(line, complaint, size);
-    }
-}
-
-static enum dea_status run_gnuplot(FILE *script, int picture, struct dea_error *error) {
-    FILE *messages = tmpfile();
-    if (messages == NULL)
-        return dea_fail(error, DEA_ERR_OUTPUT, "no temporary file for gnuplot: %s", strerror(errno));
-    pid_t child;
-    int trouble = spawn_gnuplot(fileno(script), picture, fileno(messages), &child);
-    enum dea_status status = DEA_OK;
-    if (trouble == ENOENT)
-        status = dea_fail(error, DEA_ERR_OUTPUT,
-                          "gnuplot is not installed (or not on PATH); on Debian: apt install gnuplot-nox");
-    else if (trouble != 0)
-        status = dea_fail(error, DEA_ERR_OUTPUT, "gnuplot cannot be started: %s", strerror(trouble));
-    int outcome = 0;
-    while (status == DEA_OK && waitpid(child, &outcome, 0) < 0)
-        if (errno != EINTR)
-            status = dea_fail(error, DEA_ERR_OUTPUT, "gnuplot cannot be waited for: %s", strerror(errno));
-    if (status == DEA_OK && outcome != 0) {
-        char complaint[512];
-        read_complaint(messages, complaint, sizeof complaint);
-        status = dea_fail(error, DEA_ERR_OUTPUT, "gnuplot failed%s%s", complaint[0] != '\0' ? ": " : "", complaint);
-    }
-    fclose(messages);
-    return status;
-}
-
-/* gnuplot does not fail when its output does not fit on the disk: a PNG is whole when it ends with its IEND chunk. */
-static bool is_whole_png(int picture) {
-    static const unsigned char begin[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    static const unsigned char finish[8] = {'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
-    unsigned char bytes[8];
-    off_t size = lseek(picture, 0, SEEK_END);
-    return size > 16 && pread(picture, bytes, 8, 0) == 8 && memcmp(bytes, begin, 8) == 0 &&
-           pread(picture, bytes, 8, size - 8) == 8 && memcmp(bytes, finish, 8) == 0;
-}
-
-/* The picture appears under its name only when it is whole. */
-static enum dea_status draw(FILE *script, const char *path, struct dea_error *error) {
-    char *part;
-    if (asprintf(&part, "%s.part", path) < 0)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %s", path);
-    int picture = open(part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    enum dea_status status = DEA_OK;
-    if (picture < 0) {
-        status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-    } else {
-        status = run_gnuplot(script, picture, error);
-        if (status == DEA_OK && !is_whole_png(picture))
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: gnuplot wrote no whole picture (is the disk full?)", path);
-        if (close(picture) != 0 && status == DEA_OK)
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-        if (status == DEA_OK && rename(part, path) != 0)
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-        if (status != DEA_OK)
-            unlink(part);
-    }
-    free(part);
-    return status;
-}
-
 /* ---- the run ---- */
 
 static int compare_columns(const void *left, const void *right) {
@@ -214,7 +118,7 @@ static enum dea_status draw_table(const struct dea_table *table, const struct de
     if (fflush(script) != 0 || fseek(script, 0, SEEK_SET) != 0)
         status = dea_fail(error, DEA_ERR_OUTPUT, "no room for gnuplot's script: %s", strerror(errno));
     else
-        status = draw(script, path, error);
+        status = dea_gnuplot_draw(script, path, error);
     fclose(script);
     return status;
 }

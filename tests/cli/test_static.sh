@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # deasim static: every row of the reference table through the program, sweeps, units, the three outputs, refusals.
 # shellcheck source=tests/cli/expect.sh
 source "$ROOT/tests/cli/expect.sh"

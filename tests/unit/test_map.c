@@ -176,7 +176,7 @@ static void files_are_written(void **state) {
     struct dea_error error;
     struct dea_map map = figure5(DEA_MAP_STRETCH, 3);
     assert_int_equal(dea_map_fill(&map, 1, NULL), DEA_OK);
-    assert_int_equal(dea_map_write_csv(&map, "/dev/null/x", &error), DEA_ERR_OUTPUT);
+    assert_int_equal(dea_map_write_csv(&map, "/dev/null/x", &error), DEA_ERR_INPUT);
     dea_map_clear(&map);
 }
 
