@@ -13,6 +13,7 @@ static const struct {
     {"check", "read and vet a scene with all its files, run nothing", cli_check},
     {"test", "run scenes and judge their `expect`", cli_test},
     {"static", "equilibrium of a device at voltages or fields, and its first failure", cli_static},
+    {"map", "design map over two parameters: CSV and PNG", cli_map},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

@@ -113,11 +113,24 @@ static enum dea_status fill_all(const struct dea_map *map, int threads, struct d
     return status;
 }
 
+/* Axes that leave what is physical show it at a corner; found here, the message does not depend on the threads. */
+static enum dea_status check_corners(const struct dea_map *map, struct dea_error *error) {
+    for (int corner = 0; corner < 4; corner++) {
+        struct dea_design design = map->base;
+        struct dea_design_end end;
+        DEA_TRY(dea_design_set(&design, map->x.key, corner % 2 == 0 ? map->x.first : map->x.last, error));
+        DEA_TRY(dea_design_set(&design, map->y.key, corner / 2 == 0 ? map->y.first : map->y.last, error));
+        DEA_TRY(dea_design_limit(&design, &end, error));
+    }
+    return DEA_OK;
+}
+
 enum dea_status dea_map_fill(struct dea_map *map, int threads, struct dea_error *error) {
     if (map->x.key == map->y.key)
         return dea_fail(error, DEA_ERR_INPUT, "both axes are %s", dea_design_keys[map->x.key].name);
     if (map->x.count < 2 || map->y.count < 2)
         return dea_fail(error, DEA_ERR_INPUT, "a map needs at least two points along each axis");
+    DEA_TRY(check_corners(map, error));
     size_t count = (size_t)map->x.count * (size_t)map->y.count;
     map->values = calloc(count, sizeof *map->values);
     map->modes = calloc(count, sizeof *map->modes);

@@ -60,7 +60,7 @@ enum dea_status dea_map_write_csv(const struct dea_map *map, const char *directo
         double y = dea_map_axis_value(&map->y, row);
         for (int column = 0; column < map->x.count; column++) {
             size_t at = (size_t)row * (size_t)map->x.count + (size_t)column;
-            fprintf(file, "%.17g,%.17g,%.17g,%s\n", dea_map_axis_value(&map->x, column), y, map->values[at],
+            fprintf(file, "%.12g,%.12g,%.12g,%s\n", dea_map_axis_value(&map->x, column), y, map->values[at],
                     dea_limit_names[map->modes[at]]);
         }
     }

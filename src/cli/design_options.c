@@ -1,0 +1,85 @@
+/* The design that `map` and `optimum` start from. */
+#include "cli/design_options.h"
+
+#include "deasim/quantity.h"
+#include "deasim/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum dea_status cli_find_design_key(const char *option, const char *name, enum dea_design_key *key,
+                                    struct dea_error *error) {
+    *key = dea_design_key_find(name);
+    if (*key == DEA_KEY_COUNT)
+        return dea_fail(error, DEA_ERR_INPUT,
+                        "%s: unknown parameter \"%s\"; r_a, lp1, lp2, E_bd, Jm, mu, eps_r and t0 are allowed", option,
+                        name);
+    return DEA_OK;
+}
+
+static enum dea_status parse_set(const char *text, struct cli_design_options *options, struct dea_error *error) {
+    const char *equals = strchr(text, '=');
+    char name[32];
+    if (equals == NULL || (size_t)(equals - text) >= sizeof name)
+        return dea_fail(error, DEA_ERR_INPUT, "--set %s: write parameter=value, for example --set lp2=2", text);
+    if (options->set_count == CLI_DESIGN_MAX_SETS)
+        return dea_fail(error, DEA_ERR_INPUT, "--set: more than %d parameters", CLI_DESIGN_MAX_SETS);
+    snprintf(name, sizeof name, "%.*s", (int)(equals - text), text);
+    enum dea_design_key key;
+    double value;
+    struct dea_error inner;
+    DEA_TRY(cli_find_design_key("--set", name, &key, error));
+    if (dea_quantity_parse(equals + 1, dea_design_keys[key].si_unit, &value, &inner) != DEA_OK)
+        return dea_fail(error, DEA_ERR_INPUT, "--set %s: %s", name, inner.text);
+    options->sets[options->set_count].key = key;
+    options->sets[options->set_count++].value = value;
+    return DEA_OK;
+}
+
+static enum dea_status parse_max_voltage(const char *text, double *voltage, struct dea_error *error) {
+    struct dea_error inner;
+    if (dea_quantity_parse(text, "V", voltage, &inner) != DEA_OK)
+        return dea_fail(error, DEA_ERR_INPUT, "--max-voltage: %s", inner.text);
+    if (!(*voltage > 0.0))
+        return dea_fail(error, DEA_ERR_INPUT, "--max-voltage %s: must be positive", text);
+    return DEA_OK;
+}
+
+enum dea_status cli_parse_design_option(int letter, struct cli_design_options *options, struct dea_error *error) {
+    switch (letter) {
+    case CLI_DESIGN_SET:
+        return parse_set(optarg, options, error);
+    case CLI_DESIGN_DEAD_LOAD:
+        options->dead_load = true;
+        return DEA_OK;
+    case CLI_DESIGN_MAX_VOLTAGE:
+        return parse_max_voltage(optarg, &options->max_voltage, error);
+    default:
+        return dea_fail(error, DEA_ERR_INTERNAL, "option %d has no meaning", letter);
+    }
+}
+
+static enum dea_status read_design(const char *path, struct dea_design *design, struct dea_error *error) {
+    struct dea_device device = {0};
+    enum dea_status status = dea_device_read(path, NULL, 0, &device, error);
+    if (status == DEA_OK)
+        status = dea_design_from_device(&device, design, error);
+    dea_device_clear(&device);
+    return status;
+}
+
+enum dea_status cli_finish_design(int argc, char **argv, const struct cli_design_options *options,
+                                  struct dea_design *design, struct dea_error *error) {
+    if (optind + 1 < argc)
+        return dea_fail(error, DEA_ERR_INPUT, "\"%s\" is one argument too many", argv[optind + 1]);
+    *design = dea_design_of_paper();
+    if (optind < argc)
+        DEA_TRY(read_design(argv[optind], design, error));
+    for (int i = 0; i < options->set_count; i++)
+        DEA_TRY(dea_design_set(design, options->sets[i].key, options->sets[i].value, error));
+    design->dead_load = design->dead_load || options->dead_load;
+    if (options->max_voltage > 0.0)
+        design->max_voltage = options->max_voltage;
+    struct dea_design_end end;
+    return dea_design_limit(design, &end, error);
+}

@@ -1,0 +1,39 @@
+/* What `map` and `optimum` have in common on the command line: the design they start from. */
+#ifndef DEASIM_CLI_DESIGN_OPTIONS_H
+#define DEASIM_CLI_DESIGN_OPTIONS_H
+
+#include "deasim/study.h"
+
+#include <getopt.h>
+
+enum { CLI_DESIGN_SET = 512, CLI_DESIGN_DEAD_LOAD, CLI_DESIGN_MAX_VOLTAGE, CLI_DESIGN_MAX_SETS = 16 };
+
+/* Rows for a getopt_long table. */
+#define CLI_DESIGN_LONG_OPTIONS                                                                                        \
+    {"set", required_argument, NULL, CLI_DESIGN_SET}, {"dead-load", no_argument, NULL, CLI_DESIGN_DEAD_LOAD}, {        \
+        "max-voltage", required_argument, NULL, CLI_DESIGN_MAX_VOLTAGE                                                 \
+    }
+
+struct cli_design_options {
+    struct {
+        enum dea_design_key key;
+        double value;
+    } sets[CLI_DESIGN_MAX_SETS];
+    int set_count;
+    bool dead_load;
+    double max_voltage; /* V; 0: not given */
+};
+
+/* Takes one of the options above; any other letter is DEA_ERR_INTERNAL. */
+enum dea_status cli_parse_design_option(int letter, struct cli_design_options *options, struct dea_error *error);
+
+/* Looks up a parameter name; the message lists the names. */
+enum dea_status cli_find_design_key(const char *option, const char *name, enum dea_design_key *key,
+                                    struct dea_error *error);
+
+/* After getopt: reads the device file when one is left in argv, else starts from the paper's design; applies the
+ * options. */
+enum dea_status cli_finish_design(int argc, char **argv, const struct cli_design_options *options,
+                                  struct dea_design *design, struct dea_error *error);
+
+#endif
