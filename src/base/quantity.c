@@ -34,6 +34,7 @@ static const struct dimension {
     {"A", "a current", "nA, uA, mA, A"},
     {"C", "a charge", "pC, nC, uC, C"},
     {"F", "a capacitance", "pF, nF, F"},
+    {"J", "an energy", "nJ, uJ, mJ, J"},
     {"N", "a force", "uN, mN, N"},
     {"N s/m", "a damping", "N s/m, mN s/m, kg/s"},
     {"N/m", "a stiffness", "N/m, N/mm, kN/m"},

@@ -19,7 +19,9 @@ static const struct signal_kind {
     {"stretch", "1", false}, {"tension", "N", false},     {"stress2", "Pa", false},
 };
 
-#define DEVICE_SIGNALS 2 /* x, v */
+static const char *const energy_signals[] = {"energy.in", "energy.stored", "energy.dissipated",
+                                             "energy.imbalance"}; /* J */
+#define DEVICE_SIGNALS (2 + DEA_COUNT(energy_signals))            /* x, v, energies */
 
 /* Every signal of the scene, as "left.voltage" or, with several devices, "DEB.left.voltage". malloc'd. */
 struct signal_list {
@@ -60,6 +62,8 @@ static enum dea_status list_signals(const struct dea_scene *scene, struct signal
                 if (zone->electroded || !zone_signals[i].electrical)
                     add_signal(list, prefix, dea_zone_names[k], zone_signals[i].name, zone_signals[i].unit);
         }
+        for (size_t i = 0; i < DEA_COUNT(energy_signals); i++)
+            add_signal(list, prefix, "", energy_signals[i], "J");
     }
     return DEA_OK;
 }

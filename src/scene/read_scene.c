@@ -11,6 +11,7 @@
 #include <strings.h>
 
 #define MAX_DEVICES 64
+#define LONGEST_DEVICE_NAME 31 /* so that "NAME.left.port_voltage" stays short */
 
 const char *const dea_event_names[DEA_EVENT_COUNT] = {"breakdown", "slack", "stress2", "limit", "stability", "stop"};
 
@@ -20,13 +21,13 @@ const char *const dea_event_names[DEA_EVENT_COUNT] = {"breakdown", "slack", "str
 static enum dea_status check_device_name(const struct dea_node *key, const struct dea_scene *scene,
                                          struct dea_error *error) {
     size_t length = strlen(key->text);
-    bool good = length > 0 && length < sizeof scene->devices[0].name && isalpha((unsigned char)key->text[0]);
+    bool good = length > 0 && length <= LONGEST_DEVICE_NAME && isalpha((unsigned char)key->text[0]);
     for (const char *p = key->text; *p != '\0' && good; p++)
         good = isalnum((unsigned char)*p) || *p == '_';
     if (!good)
         return dea_node_fail(key, error,
                              "'%.60s' cannot name a subcircuit; allowed: a letter, then letters, digits and _, "
-                             "at most 63",
+                             "at most 31",
                              key->text);
     for (int i = 0; i < scene->device_count; i++)
         if (strcasecmp(scene->devices[i].name, key->text) == 0)

@@ -54,11 +54,12 @@ static enum dea_status out_of_memory(struct dea_error *error) {
     return dea_fail(error, DEA_ERR_MEMORY, "out of memory while reading YAML");
 }
 
+static const char too_many_values[] = "more than 1000000 values (aliases count as often as they are used)";
+
 static enum dea_status new_node(struct dea_tree *tree, enum dea_node_kind kind, const struct dea_text *origin, int line,
                                 int column, struct dea_node **node, struct dea_error *error) {
     if (tree->node_count >= DEA_TREE_MAX_NODES)
-        return dea_text_fail(origin, line, column, "", error,
-                             "more than 1000000 values (aliases count as often as they are used)");
+        return dea_text_fail(origin, line, column, "", error, too_many_values);
     tree->node_count++;
     *node = allocate(tree, sizeof **node);
     if (*node == NULL)
@@ -158,8 +159,10 @@ static enum dea_status fail_syntax(struct parse *parse) {
     const yaml_mark_t *mark = &parser->problem_mark;
     bool tab = strcmp(problem, "found character that cannot start any token") == 0 &&
                memchr(parse->origin->text, '\t', parse->origin->size) != NULL;
-    const char *context = parser->context != NULL ? parser->context : "";
-    snprintf(message, sizeof message, "not valid YAML: %s%s%s%s", context, context[0] != '\0' ? ", " : "", problem,
+    char context[200] = "";
+    if (parser->context != NULL)
+        snprintf(context, sizeof context, "%s from line %zu, ", parser->context, parser->context_mark.line + 1);
+    snprintf(message, sizeof message, "not valid YAML: %s%s%s", context, problem,
              tab ? " (a tab? indent with spaces)" : "");
     return fail_at(parse, mark, message);
 }
@@ -201,11 +204,12 @@ static enum dea_status copy_node(struct parse *parse, const struct dea_node *fro
     return DEA_OK;
 }
 
-/* How many levels a node has below it, itself included. */
-static int node_depth(const struct dea_node *node) {
+/* Levels of a node and all below it; adds their number, keys included, to *count. */
+static int measure_node(const struct dea_node *node, size_t *count) {
     int depth = 0;
+    *count += node->keys != NULL ? 1 + node->count : 1;
     for (size_t i = 0; i < node->count; i++) {
-        int below = node_depth(node->items[i]);
+        int below = measure_node(node->items[i], count);
         depth = below > depth ? below : depth;
     }
     return depth + 1;
@@ -222,8 +226,11 @@ static enum dea_status parse_alias(struct parse *parse, int depth, struct dea_no
         snprintf(message, sizeof message, "alias '*%.60s' stands inside its own anchor: circular", name);
         if (!anchor->complete)
             return fail_at(parse, mark, message);
-        if (depth + node_depth(anchor->node) > DEA_TREE_MAX_DEPTH)
+        size_t count = parse->tree->node_count;
+        if (depth + measure_node(anchor->node, &count) > DEA_TREE_MAX_DEPTH)
             return fail_at(parse, mark, "nested deeper than 64 levels");
+        if (count > DEA_TREE_MAX_NODES)
+            return fail_at(parse, mark, too_many_values);
         return copy_node(parse, anchor->node, node);
     }
     snprintf(message, sizeof message, "alias '*%.60s' has no anchor '&%.60s' before it", name, name);

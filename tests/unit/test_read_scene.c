@@ -328,7 +328,8 @@ static void reads_several_devices_and_netlist_measures(void **state) {
                     "transient: {accuracy: 1e-5, max_step: 1 ms}\n"
                     "output: {formats: [hdf5], signals: [DEB.left.charge, DEA.x]}\n"
                     "expect:\n  - {measure: tr_left, below: 2 ms}\n"
-                    "  - {signal: DEB.left.true_field, measure: t_max, above: 1 ms}\n",
+                    "  - {signal: DEB.left.true_field, measure: t_max, above: 1 ms}\n"
+                    "  - {signal: DEA.energy.imbalance, measure: max, below: 1 nJ}\n",
                     &scene);
     assert_int_equal(scene.device_count, 2);
     assert_string_equal(scene.devices[1].name, "DEB");
@@ -346,6 +347,7 @@ static void reads_several_devices_and_netlist_measures(void **state) {
     assert_true(isinf(scene.expectations[0].above));
     assert_int_equal(scene.expectations[1].measure, DEA_MEASURE_T_MAX);
     assert_close(scene.expectations[1].above, 1e-3);
+    assert_close(scene.expectations[2].below, 1e-9);
     dea_scene_clear(&scene);
 }
 
