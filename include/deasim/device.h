@@ -29,6 +29,7 @@ struct dea_device {
     double prestretch[2]; /* lp1 along the motion, lp2 across */
     struct dea_material material;
     struct dea_zone zones[DEA_ZONES];
+    bool right_first;     /* the file names the right zone first: the order of pins in a netlist */
     double platform_mass; /* kg */
     double damping;       /* c, N s/m */
     double load;          /* constant force on the platform, N, positive towards +x */

@@ -54,7 +54,7 @@ struct dea_result {
         status; /* DEA_OK done, DEA_STOPPED by an event, negative failed; files and numbers are valid up to t_end */
     char reason[2048];                /* why it ended early or failed; empty when done */
     double t_end;                     /* s */
-    const struct dea_signal *signals; /* signal_count entries, owned by the run */
+    struct dea_signal *signals; /* owned, signal_count entries */
     struct dea_signal_stats *stats;   /* owned, same order */
     size_t signal_count;
     struct dea_event *events;          /* owned, in time order */

@@ -8,10 +8,17 @@
 
 #include <signal.h>
 
+/* auto: what the scene needs. ngspice: co-simulation also where a circuit could be solved without. native: refuse
+ * netlists. */
+enum dea_engine_choice { DEA_ENGINE_AUTO, DEA_ENGINE_NGSPICE, DEA_ENGINE_NATIVE };
+
 struct dea_run_options {
     const char *directory;                  /* result files go here; NULL: no files */
     struct dea_report *report;              /* words; must not be NULL, may be silent */
     const volatile sig_atomic_t *interrupt; /* set from outside to end the run in order; may be NULL */
+    enum dea_engine_choice engine;
+    bool trust_netlist; /* run .control blocks and the like of the netlist */
+    double time_limit;  /* of a netlist's run, wall clock, s; 0: none */
 };
 
 /* Runs the scene and fills *result (the caller clears it, also after a failure). Returns the result's status: DEA_OK,

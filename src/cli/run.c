@@ -41,8 +41,9 @@ static enum dea_status open_log(const char *directory, FILE **log, struct dea_er
     DEA_TRY(dea_directory_make(directory, error));
     if (snprintf(path, sizeof path, "%s/log.txt", directory) >= (int)sizeof path)
         return dea_fail(error, DEA_ERR_INPUT, "%s: the path is too long", directory);
-    *log = fopen(path, "w");
-    if (*log == NULL)
+    /* append, line by line: a netlist's run writes to it from a process of its own */
+    if ((unlink(path) != 0 && errno != ENOENT) || (*log = fopen(path, "a")) == NULL ||
+        setvbuf(*log, NULL, _IOLBF, 0) != 0)
         return dea_fail(error, DEA_ERR_INPUT, "cannot write %s: %s", path, strerror(errno));
     return DEA_OK;
 }

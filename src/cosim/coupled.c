@@ -7,16 +7,23 @@
 /* The part of a capacitance that its own voltage may explain within one step. */
 #define MAX_SOFT_PART 0.5
 
+int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
+    int count = 0;
+    for (int i = 0; i < DEA_ZONES; i++) {
+        int k = device->right_first ? DEA_ZONES - 1 - i : i;
+        if (device->zones[k].present && device->zones[k].electroded)
+            zones[count++] = k;
+    }
+    return count;
+}
+
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
                                struct dea_error *error) {
     *coupled = (struct coupled){.device = device, .told_at = NAN};
     struct dea_plant_options options = {.accuracy = accuracy, .load_peak = fabs(device->load)};
-    for (int k = 0; k < DEA_ZONES; k++) {
-        if (!device->zones[k].present || !device->zones[k].electroded)
-            continue;
-        coupled->zones[coupled->port_count++] = k;
-        options.ports[k] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = peak};
-    }
+    coupled->port_count = coupled_order_ports(device, coupled->zones);
+    for (int p = 0; p < coupled->port_count; p++)
+        options.ports[coupled->zones[p]] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = peak};
     return dea_plant_create(device, &options, &coupled->plant, error);
 }
 

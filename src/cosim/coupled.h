@@ -25,6 +25,9 @@ struct coupled {
     struct port_values last[DEA_ZONES]; /* at the last circuit point */
 };
 
+/* Electroded zones in the order of their pins; returns how many. */
+int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]);
+
 /* Creates the plant with one charge port per electroded zone. */
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
                                struct dea_error *error);

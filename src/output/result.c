@@ -14,6 +14,7 @@ const char *dea_event_zone(const struct dea_event *event) {
 }
 
 void dea_result_clear(struct dea_result *result) {
+    free(result->signals);
     free(result->stats);
     free(result->events);
     free(result->measures);

@@ -78,8 +78,9 @@ static enum dea_status read_zones(const struct dea_node *node, void *target, str
         {.key = "left", .kind = DEA_FIELD_READER, .read = read_left},
         {.key = "right", .kind = DEA_FIELD_READER, .read = read_right},
     };
-    const struct dea_device *device = target;
+    struct dea_device *device = target;
     DEA_TRY(dea_fields_read(node, "zones", fields, DEA_COUNT(fields), target, error));
+    device->right_first = dea_node_find(node, "right") < dea_node_find(node, "left");
     if (!device->zones[0].present && !device->zones[1].present)
         return dea_node_fail(node, error, "a device needs at least one zone; allowed: left, right");
     return DEA_OK;

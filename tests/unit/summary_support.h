@@ -40,7 +40,7 @@ static inline void fill_sample(struct sample_run *run) {
     run->result = (struct dea_result){.status = DEA_STOPPED,
                                       .reason = "breakdown in left",
                                       .t_end = 0.4,
-                                      .signals = run->signals,
+                                      .signals = sample_copy(run->signals, sizeof run->signals),
                                       .stats = sample_copy(stats, sizeof stats),
                                       .signal_count = 3,
                                       .events = sample_copy(events, sizeof events),
