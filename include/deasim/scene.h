@@ -8,7 +8,8 @@
 
 #include <stddef.h>
 
-/* A native source on one electrode. */
+/* A native source on one electrode. An electrode that `drive` does not name is grounded: present, dc 0 V, resistance 0.
+ * Without `drive: {}` or more, a scene with electrodes is refused, so that nothing is grounded by oversight. */
 struct dea_source {
     bool present;
     struct dea_waveform waveform; /* V */
@@ -83,18 +84,24 @@ struct dea_scene {
     size_t expectation_count;
 };
 
-/* One `--set key=value`: a dotted key ("transient.accuracy", "drive.left.resistance", "device.geometry.width") and its
- * YAML value. */
+/* One `--set key=value`: a dotted key ("transient.accuracy", "device.geometry.width", list entries by number as in
+ * "expect.0.above") and its YAML value. It applies after all files are put together, in the order given; null removes
+ * the key; a path in it is relative to the working folder. */
 struct dea_override {
     const char *key, *value;
 };
 
 /* Reads a scene file with its device, material and waveform files. The caller clears it, also after a failure.
- * DEA_ERR_INPUT with "file:line:column: key: what is wrong; what is allowed". */
+ * DEA_ERR_INPUT with "file:line:column: key: what is wrong; what is allowed", then the line and a caret on lines of their
+ * own. Any scene, device or material, file or inline mapping, may start from another file by `base: path`: its own keys
+ * win, mappings merge key by key (one with another law, kind or type replaces the base's), lists are replaced, null
+ * removes a key of the base. Paths are relative to the file they stand in. Every quantity may be written
+ * {value: .., source: ..}, every mapping may hold the texts `source` and `notes`. */
 enum dea_status dea_scene_read(const char *path, const struct dea_override *overrides, size_t override_count,
                                struct dea_scene *scene, struct dea_error *error);
 
-/* Reads a device file alone (for `deasim static`), prepared. `overrides` keys are relative to the device. */
+/* Reads a device file alone (for `deasim static`), prepared. `overrides` keys are relative to the device. The caller
+ * clears it, also after a failure. A prestretch that has failed already is not refused: see dea_prestretch_fails. */
 enum dea_status dea_device_read(const char *path, const struct dea_override *overrides, size_t override_count,
                                 struct dea_device *device, struct dea_error *error);
 
