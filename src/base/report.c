@@ -10,6 +10,7 @@
 
 #define REDRAW_INTERVAL 0.1 /* s */
 #define BAR_CELLS 24        /* characters between the brackets */
+#define LONGEST_LINE 4096   /* bytes; what is longer is cut */
 
 double dea_clock(void) {
     struct timespec now;
@@ -25,44 +26,40 @@ static void wipe_bar(struct dea_report *report) {
     report->bar_width = 0;
 }
 
-static void write_line(FILE *file, const char *prefix, const char *format, va_list arguments)
-    __attribute__((format(printf, 3, 0)));
-
-static void write_line(FILE *file, const char *prefix, const char *format, va_list arguments) {
-    fputs(prefix, file);
-    vfprintf(file, format, arguments);
-    fputc('\n', file);
+static void write_line(FILE *file, const char *prefix, const char *text) {
+    fprintf(file, "%s%s\n", prefix, text);
     fflush(file);
 }
 
 void dea_report_warn(struct dea_report *report, const char *format, ...) {
+    char text[LONGEST_LINE];
     va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
     if (report->terminal != NULL) {
         wipe_bar(report);
-        va_start(arguments, format);
-        write_line(report->terminal, "warning: ", format, arguments);
-        va_end(arguments);
+        write_line(report->terminal, "warning: ", text);
     }
-    if (report->log != NULL) {
-        va_start(arguments, format);
-        write_line(report->log, "warning: ", format, arguments);
-        va_end(arguments);
-    }
+    if (report->log != NULL)
+        write_line(report->log, "warning: ", text);
 }
 
 void dea_report_detail(struct dea_report *report, const char *format, ...) {
+    bool shown = report->terminal != NULL && report->verbose;
+    if (!shown && report->log == NULL)
+        return;
+    char text[LONGEST_LINE];
     va_list arguments;
-    if (report->terminal != NULL && report->verbose) {
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (shown) {
         wipe_bar(report);
-        va_start(arguments, format);
-        write_line(report->terminal, "", format, arguments);
-        va_end(arguments);
+        write_line(report->terminal, "", text);
     }
-    if (report->log != NULL) {
-        va_start(arguments, format);
-        write_line(report->log, "", format, arguments);
-        va_end(arguments);
-    }
+    if (report->log != NULL)
+        write_line(report->log, "", text);
 }
 
 void dea_report_begin(struct dea_report *report) {

@@ -98,7 +98,7 @@ static enum dea_status read_panels(struct dea_table *table, struct dea_panel *pa
     *count = dea_panels_choose(table, panels);
     if (*count == 0)
         return dea_fail(error, DEA_ERR_INPUT, "%s: there is no signal to draw, only time", table->path);
-    size_t columns[DEA_PANELS * DEA_PANEL_CURVES], used = 0;
+    size_t columns[DEA_PANELS * DEA_PANEL_CURVES] = {0}, used = 0;
     for (int i = 0; i < *count; i++)
         for (int k = 0; k < panels[i].curve_count; k++)
             columns[used++] = panels[i].curves[k].column;

@@ -236,6 +236,7 @@ static enum dea_status read_rows(struct dea_table *table, struct line_reader *re
 
 enum dea_status dea_table_read(struct dea_table *table, const size_t *columns, size_t count, struct dea_error *error) {
     table->curves = calloc(count + 1, sizeof *table->curves);
+    table->curve_count = 0;
     bool good = table->curves != NULL;
     for (size_t i = 0; i < count && good; i++) {
         table->curves[i].column = columns[i];
