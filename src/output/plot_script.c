@@ -11,6 +11,7 @@
 #define KEY_LINE 17      /* pixels of a line of a key */
 #define KEY_COLUMNS 4
 #define KEY_MARGIN 17   /* pixels above and below a key */
+#define WORD_WIDTH 0.02 /* of the time axis: what a word written upwards takes */
 #define SHOWN_LIMIT 4.0 /* a limit is drawn when the panel grows less than that by it */
 
 /* Okabe and Ito, "Color Universal Design" (2008): told apart by colour-blind readers too. */
@@ -212,19 +213,44 @@ static void write_page(const struct dea_caption *caption, int height, FILE *scri
     fprintf(script, " at screen 0.1, screen %.6f left noenhanced textcolor rgb '#B00020'\n", 1.0 - 44.0 / height);
 }
 
-/* A dotted line through all panels, and a word on the first. */
-static void write_events(const struct dea_caption *caption, double time_factor, FILE *script) {
+/* Where a word stands beside its line in the first panel, so that words do not cover one another. */
+struct word_place {
+    double time; /* s; -INFINITY: none yet */
+    int level;   /* 0: foot of the panel, 1: its middle */
+};
+
+/* The first event of each kind and zone gets a word, below or above the one next to it; without room it goes without.
+ */
+static bool place_word(const struct dea_caption *caption, int event, double span, struct word_place *last) {
+    for (int i = 0; i < event; i++)
+        if (strcmp(caption->events[i].text, caption->events[event].text) == 0)
+            return false;
+    bool near = fabs(caption->events[event].time - last->time) < WORD_WIDTH * span;
+    if (near && last->level == 1)
+        return false;
+    *last = (struct word_place){near ? last->time : caption->events[event].time, near ? 1 : 0};
+    return true;
+}
+
+/* A dotted line through all panels, and words on the first. */
+static void write_events(const struct dea_table *table, const struct dea_caption *caption, double time_factor,
+                         FILE *script) {
+    double span = table->t_last - table->t_first;
+    struct word_place last = {-INFINITY, 0};
     for (int i = 0; i < caption->event_count; i++) {
-        double time = caption->events[i].time * time_factor;
+        double time = caption->events[i].time;
         fprintf(script,
                 "set arrow %d from first %.9g, graph 0 to first %.9g, graph 1 nohead dt (2,4) lc rgb '#777777'\n",
-                i + 1, time, time);
+                i + 1, time * time_factor, time * time_factor);
+        if (!place_word(caption, i, span, &last))
+            continue;
         fprintf(script, "set label %d ", 10 + i);
         write_string(caption->events[i].text, script);
+        bool at_edge = time > table->t_last - WORD_WIDTH * span; /* no room to the right of the line */
         fprintf(script,
-                " at first %.9g, graph 0.03 left rotate by 90 offset -1.1,0 noenhanced font 'DejaVu Sans,8' "
+                " at first %.9g, graph %g left rotate by 90 offset %g,0 noenhanced font 'DejaVu Sans,8' "
                 "textcolor rgb '#555555'\n",
-                time);
+                time * time_factor, last.level == 0 ? 0.1 : 0.5, at_edge ? -1.1 : 1.1);
     }
 }
 
@@ -242,7 +268,7 @@ void dea_plot_script(const struct dea_table *table, const struct dea_panel *pane
     if (!(times.high > times.low))
         times = widen((struct range){times.low, times.low});
     fprintf(script, "set xrange [%.12g:%.12g]\nset format x ''\n", times.low * time_factor, times.high * time_factor);
-    write_events(caption, time_factor, script);
+    write_events(table, caption, time_factor, script);
 
     int top = HEAD; /* pixels from the upper edge */
     for (int i = 0; i < panel_count; i++) {

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define EVENTS_SHOWN 10
-#define TEXT 32 /* bytes of a formatted value */
+#define DUST 1e-9 /* of a signal's largest value */
+#define TEXT 32   /* bytes of a formatted value */
 
 /* As people of the field write it; a field in V/um is what breakdown strengths are quoted in. */
 static const char *format_value(double value, const char *unit, char buffer[TEXT]) {
@@ -24,11 +25,17 @@ static const char *format_value(double value, const char *unit, char buffer[TEXT
 
 enum { MIN, MAX, FINAL, AT_MAX, COLUMNS };
 
+/* What is lost in rounding beside the signal's range is shown as 0. */
+static double drop_dust(double value, const struct dea_signal_stats *stats) {
+    double largest = fmax(fabs(stats->min), fabs(stats->max));
+    return fabs(value) < DUST * largest ? 0.0 : value;
+}
+
 static void format_row(const struct dea_signal *signal, const struct dea_signal_stats *stats,
                        char cells[COLUMNS][TEXT]) {
-    format_value(stats->min, signal->unit, cells[MIN]);
-    format_value(stats->max, signal->unit, cells[MAX]);
-    format_value(stats->final, signal->unit, cells[FINAL]);
+    format_value(drop_dust(stats->min, stats), signal->unit, cells[MIN]);
+    format_value(drop_dust(stats->max, stats), signal->unit, cells[MAX]);
+    format_value(drop_dust(stats->final, stats), signal->unit, cells[FINAL]);
     format_value(stats->t_max, "s", cells[AT_MAX]);
 }
 

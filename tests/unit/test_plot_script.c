@@ -84,12 +84,29 @@ static void strings_cannot_become_commands(void **state) {
     free(script);
 }
 
+/* Same kind again: a line without a word. Close by: a word further up, then none. */
+static void words_of_events_keep_apart(void **state) {
+    (void)state;
+    static const struct dea_caption caption = {
+        .title = "t",
+        .events = {{0.2, "left slack"}, {0.3, "left slack"}, {0.5, "a"}, {0.505, "b"}, {0.51, "c"}, {0.99, "d"}},
+        .event_count = 6};
+    char *script = script_of("time [s],x [m]\n0,1\n1,2\n", &caption);
+    assert_non_null(strstr(script, "set arrow 2 from first 0.3, graph 0 to first 0.3, graph 1 nohead"));
+    assert_non_null(strstr(script, "set label 10 'left slack' at first 0.2, graph 0.1 left rotate by 90 offset 1.1,0"));
+    assert_null(strstr(script, "at first 0.3,"));
+    assert_non_null(strstr(script, "'a' at first 0.5, graph 0.1 "));
+    assert_non_null(strstr(script, "'b' at first 0.505, graph 0.5 "));
+    assert_null(strstr(script, "'c'"));
+    assert_non_null(strstr(script, "'d' at first 0.99, graph 0.1 left rotate by 90 offset -1.1,0"));
+    free(script);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(data_are_scaled_and_gaps_stay),
-        cmocka_unit_test(port_voltage_lies_below),
-        cmocka_unit_test(limit_is_drawn_or_mentioned),
-        cmocka_unit_test(strings_cannot_become_commands),
+        cmocka_unit_test(data_are_scaled_and_gaps_stay), cmocka_unit_test(port_voltage_lies_below),
+        cmocka_unit_test(limit_is_drawn_or_mentioned),   cmocka_unit_test(strings_cannot_become_commands),
+        cmocka_unit_test(words_of_events_keep_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

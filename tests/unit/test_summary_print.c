@@ -43,6 +43,17 @@ static void everything_is_on_one_page(void **state) {
     dea_result_clear(&run.result);
 }
 
+static void rounding_dust_is_shown_as_zero(void **state) {
+    (void)state;
+    struct sample_run run;
+    fill_sample(&run);
+    run.result.stats[1] = (struct dea_signal_stats){.min = -7e-8, .max = 3300, .final = -4e-6};
+    char *text = print_summary(&run);
+    assert_non_null(strstr(text, "  left.voltage          0 V     3.3 kV   -4 uV      0 s\n"));
+    free(text);
+    dea_result_clear(&run.result);
+}
+
 static void native_run_has_no_coupling(void **state) {
     (void)state;
     struct sample_run run;
@@ -86,6 +97,7 @@ static void long_event_lists_are_cut(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_is_on_one_page),
+        cmocka_unit_test(rounding_dust_is_shown_as_zero),
         cmocka_unit_test(native_run_has_no_coupling),
         cmocka_unit_test(long_event_lists_are_cut),
     };

@@ -1,0 +1,50 @@
+/* deasim plot: the picture of a run. */
+#include "cli/cli.h"
+#include "cli/options.h"
+#include "deasim/result.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char usage[] =
+    "usage: deasim plot DIR...\n\n"
+    "Draws DIR/result.csv, the result of `deasim run SCENE -o DIR`, as DIR/result.png and prints the picture's path:\n"
+    "voltages, displacement, true field with its breakdown limit, and energies (or currents) over a shared time axis.\n"
+    "Signals that are not in the result are left out. Needs gnuplot.\n\n"
+    "  -h, --help   this text\n";
+
+static int plot_folder(const char *directory) {
+    char *path;
+    struct dea_error error = {0};
+    enum dea_status status = dea_plot_run(directory, &path, &error);
+    if (status != DEA_OK)
+        return cli_report("plot", &error);
+    puts(path);
+    free(path);
+    return 0;
+}
+
+int cli_plot(int argc, char **argv) {
+    static const struct option long_options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    optind = 1;
+    int choice = getopt_long(argc, argv, "h", long_options, NULL);
+    if (choice == 'h') {
+        fputs(usage, stdout);
+        return 0;
+    }
+    if (choice != -1) { /* getopt has said what */
+        fprintf(stderr, "(deasim plot --help lists the options)\n");
+        return 2;
+    }
+    if (optind >= argc) {
+        fprintf(stderr, "deasim plot: name a result folder\n%s", usage);
+        return 2;
+    }
+    int code = 0;
+    for (int i = optind; i < argc; i++) {
+        int one = plot_folder(argv[i]);
+        code = one > code ? one : code;
+    }
+    return code;
+}
