@@ -92,11 +92,11 @@ struct dea_override {
 };
 
 /* Reads a scene file with its device, material and waveform files. The caller clears it, also after a failure.
- * DEA_ERR_INPUT with "file:line:column: key: what is wrong; what is allowed", then the line and a caret on lines of their
- * own. Any scene, device or material, file or inline mapping, may start from another file by `base: path`: its own keys
- * win, mappings merge key by key (one with another law, kind or type replaces the base's), lists are replaced, null
- * removes a key of the base. Paths are relative to the file they stand in. Every quantity may be written
- * {value: .., source: ..}, every mapping may hold the texts `source` and `notes`. */
+ * DEA_ERR_INPUT with "file:line:column: key: what is wrong; what is allowed", then the line and a caret on lines of
+ * their own. Any scene, device or material, file or inline mapping, may start from another file by `base: path`: its
+ * own keys win, mappings merge key by key (one with another law, kind or type replaces the base's), lists are replaced,
+ * null removes a key of the base. Paths are relative to the file they stand in. Every quantity may be written {value:
+ * .., source: ..}, every mapping may hold the texts `source` and `notes`. */
 enum dea_status dea_scene_read(const char *path, const struct dea_override *overrides, size_t override_count,
                                struct dea_scene *scene, struct dea_error *error);
 
