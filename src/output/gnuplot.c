@@ -10,8 +10,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 /* Starts gnuplot with its default settings, script as standard input, picture as standard output. 0 or an errno. */
 static int spawn_gnuplot(int script, int picture, int messages, pid_t *child) {
     static char name[] = "gnuplot", defaults[] = "-d";
@@ -31,7 +29,7 @@ static int spawn_gnuplot(int script, int picture, int messages, pid_t *child) {
     return trouble;
 }
 
-/* First line gnuplot complained with, past the echo of the script and its caret. */
+/* Last line of the complaint: gnuplot echoes the command and points at it before it says what is wrong. */
 static void read_complaint(FILE *messages, char *complaint, size_t size) {
     char line[512];
     complaint[0] = '\0';
