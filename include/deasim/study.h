@@ -14,10 +14,12 @@ struct dea_design {
     double prestretch[2]; /* lp1, lp2 */
     double active_ratio;  /* r_a, 0 to 1; the ends are the limits towards them */
     double max_voltage;   /* what the supply can give, V; INFINITY: no bound */
+    double least_tension; /* Cauchy stress along the motion that every part must keep, Pa; 0: until slack */
     bool dead_load;       /* the passive part is replaced by the constant force that holds lp1 (r_a is not used) */
 };
 
-/* Where an increasing drive ends. All numbers but the mode are NAN when the prestretch has failed. */
+/* Where an increasing drive ends; slack1 is where the least tension is reached. All numbers but the mode are NAN when
+ * the prestretch has failed. */
 struct dea_design_end {
     enum dea_limit_mode mode;
     double lam_active, lam_passive; /* lam1 from the unstretched state; both lp1 + ... of eq. 3 */

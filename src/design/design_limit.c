@@ -4,6 +4,8 @@
  * k = r_a/(1 - r_a); k = 0 is the dead load. */
 #include "deasim/study.h"
 
+#include "design/path.h"
+
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
@@ -46,6 +48,25 @@ static enum dea_status evaluate(const struct task *task, double lam_a, double la
 static double follow_passive(const struct task *task, double lam_a) {
     double lp1 = task->design->prestretch[0];
     return lp1 - task->k * (lam_a - lp1);
+}
+
+/* Stretch of the passive part at which its Cauchy stress has fallen to `tension`; the prestretch carries more. */
+static enum dea_status find_relaxed(const struct dea_design *design, double *relaxed) {
+    double low = 1.0 / sqrt(design->prestretch[1]), high = design->prestretch[0];
+    *relaxed = low;
+    if (design->least_tension == 0.0)
+        return DEA_OK;
+    for (int i = 0; i < MAX_ITERATIONS && high > nextafter(low, high); i++) {
+        struct dea_stress stress;
+        double middle = 0.5 * (low + high);
+        DEA_TRY(dea_law_stress(&design->elastic, middle, design->prestretch[1], &stress));
+        if (middle * stress.w1 < design->least_tension)
+            low = middle;
+        else
+            high = middle;
+    }
+    *relaxed = high;
+    return DEA_OK;
 }
 
 /* How far the Maxwell stress is past what breakdown and supply allow, with its slope by lam_a. */
@@ -169,7 +190,8 @@ static enum dea_status limit_stiffening(const struct dea_design *design, struct 
         task.supply = permittivity * design->max_voltage * design->max_voltage * per_voltage * per_voltage;
 
     /* the far end of the taut path: both parts lose tension together, or the law ends */
-    double relaxed = 1.0 / sqrt(design->prestretch[1]), lam_end = law_end(design);
+    double relaxed, lam_end = law_end(design);
+    DEA_TRY(find_relaxed(design, &relaxed));
     double lam_a = design->dead_load ? INFINITY : lp1 + (lp1 - relaxed) / task.k, lam_p = relaxed;
     enum dea_limit_mode mode = DEA_LIMIT_SLACK1;
     if (lam_end <= lam_a) {
@@ -208,7 +230,7 @@ static enum dea_status limit_any(const struct dea_design *design, struct dea_des
     struct dea_limit limit;
     struct dea_static_point point;
     DEA_TRY(dea_design_to_device(&inner, WALK_LENGTH, WALK_LENGTH, false, &device, error));
-    DEA_TRY(dea_static_limit(&device, 0.0, &limit, error));
+    DEA_TRY(dea_find_limit(&device, 0.0, design->least_tension, &limit, error));
     end->mode = limit.mode;
     if (isnan(limit.voltage))
         return DEA_OK;
@@ -235,6 +257,15 @@ static enum dea_status limit_any(const struct dea_design *design, struct dea_des
     return DEA_OK;
 }
 
+/* The prestretch carries the least tension, when one is asked for. */
+static bool keeps_tension_at_rest(const struct dea_design *design) {
+    struct dea_stress rest;
+    double lp1 = design->prestretch[0];
+    return design->least_tension == 0.0 ||
+           (dea_law_stress(&design->elastic, lp1, design->prestretch[1], &rest) == DEA_OK &&
+            lp1 * rest.w1 > design->least_tension);
+}
+
 static enum dea_status check_positive(enum dea_design_key key, double value, double bound, struct dea_error *error) {
     if (value > 0.0 && value <= bound)
         return DEA_OK;
@@ -256,6 +287,9 @@ static enum dea_status check_design(const struct dea_design *design, struct dea_
         DEA_TRY(check_positive(DEA_KEY_JM, law->jm, DBL_MAX, error));
     if (law->kind != DEA_YEOH && law->kind != DEA_OGDEN)
         DEA_TRY(check_positive(DEA_KEY_MODULUS, law->mu, DBL_MAX, error));
+    if (!(design->least_tension >= 0.0 && isfinite(design->least_tension)))
+        return dea_fail(error, DEA_ERR_INPUT, "the least tension must not be negative, but is %g Pa",
+                        design->least_tension);
     if (!(design->max_voltage > 0.0))
         return dea_fail(error, DEA_ERR_INPUT, "the largest voltage must be positive, not %g V", design->max_voltage);
     return DEA_OK;
@@ -266,7 +300,8 @@ enum dea_status dea_design_limit(const struct dea_design *design, struct dea_des
     DEA_TRY(check_design(design, error));
     const struct dea_dielectric *dielectric = &design->dielectric;
     double lp1 = design->prestretch[0], lp2 = design->prestretch[1];
-    if (!(dea_law_margin(&design->elastic, lp1, lp2) > 0.0) || lp1 * lp1 * lp2 <= 1.0 || lp1 * lp2 * lp2 <= 1.0) {
+    if (!(dea_law_margin(&design->elastic, lp1, lp2) > 0.0) || lp1 * lp1 * lp2 <= 1.0 || lp1 * lp2 * lp2 <= 1.0 ||
+        !keeps_tension_at_rest(design)) {
         end->mode = DEA_LIMIT_PRESTRETCH;
         return DEA_OK;
     }

@@ -21,14 +21,15 @@ static double breakdown_field(const struct dea_device *device, double lam) {
 }
 
 /* The failure a point of the path has suffered, in the order in which they are to be named when several coincide. */
-static enum dea_limit_mode judge(const struct dea_device *device, const struct dea_path_point *point) {
+static enum dea_limit_mode judge(const struct dea_device *device, const struct dea_path_point *point,
+                                 double least_tension) {
     bool breakdown = false, slack1 = false, slack2 = false;
     for (int k = 0; k < DEA_ZONES; k++) {
         if (!device->zones[k].present)
             continue;
         breakdown =
             breakdown || (device->zones[k].electroded && point->field[k] >= breakdown_field(device, point->lam[k]));
-        slack1 = slack1 || !(point->net1[k] > 0.0);
+        slack1 = slack1 || !(point->lam[k] * point->net1[k] > least_tension);
         slack2 = slack2 || !(point->stress2[k] >= 0.0);
     }
     if (breakdown)
@@ -43,12 +44,11 @@ static enum dea_limit_mode judge(const struct dea_device *device, const struct d
 }
 
 static bool has_failed(const struct dea_device *device, const struct dea_path_point *point, const void *context) {
-    (void)context;
-    return judge(device, point) != DEA_LIMIT_NONE;
+    return judge(device, point, *(const double *)context) != DEA_LIMIT_NONE;
 }
 
-enum dea_status dea_static_limit(const struct dea_device *device, double right_voltage, struct dea_limit *limit,
-                                 struct dea_error *error) {
+enum dea_status dea_find_limit(const struct dea_device *device, double right_voltage, double least_tension,
+                               struct dea_limit *limit, struct dea_error *error) {
     *limit = (struct dea_limit){DEA_LIMIT_NONE, NAN, NAN, NAN, NAN};
     double voltages[DEA_ZONES] = {0.0, right_voltage};
     DEA_TRY(dea_check_left_electrode(device, error));
@@ -61,9 +61,9 @@ enum dea_status dea_static_limit(const struct dea_device *device, double right_v
     double start;
     DEA_TRY(dea_find_rest(&relaxed, voltages, &start, error));
     struct dea_path_end end;
-    if (!dea_path_walk(&relaxed, right_voltage, start, has_failed, NULL, &end))
+    if (!dea_path_walk(&relaxed, right_voltage, start, has_failed, &least_tension, &end))
         return DEA_OK;
-    limit->mode = end.outside ? DEA_LIMIT_LAW : judge(&relaxed, &end.after);
+    limit->mode = end.outside ? DEA_LIMIT_LAW : judge(&relaxed, &end.after, least_tension);
     limit->x = end.before.x;
     limit->voltage = sqrt(fmax(end.before.voltage_squared, 0.0));
     limit->stretch = end.before.lam[0] / device->prestretch[0];
@@ -75,4 +75,9 @@ enum dea_status dea_static_limit(const struct dea_device *device, double right_v
         limit->voltage = strength * relaxed.thickness / limit->stretch;
     }
     return DEA_OK;
+}
+
+enum dea_status dea_static_limit(const struct dea_device *device, double right_voltage, struct dea_limit *limit,
+                                 struct dea_error *error) {
+    return dea_find_limit(device, right_voltage, 0.0, limit, error);
 }

@@ -35,6 +35,10 @@ struct dea_path_end {
 bool dea_path_walk(const struct dea_device *device, double right_voltage, double start, dea_path_predicate ends,
                    const void *context, struct dea_path_end *end);
 
+/* dea_static_limit with slack1 where a zone's Cauchy stress along the motion falls to `least_tension` (Pa). */
+enum dea_status dea_find_limit(const struct dea_device *device, double right_voltage, double least_tension,
+                               struct dea_limit *limit, struct dea_error *error);
+
 /* Where the platform rests at 0 V left: the start of the path. `device` has no branches. */
 enum dea_status dea_find_rest(const struct dea_device *device, const double voltages[DEA_ZONES], double *x,
                               struct dea_error *error);

@@ -69,9 +69,51 @@ static void fast_limit_agrees_with_the_walk(void **state) {
                   seen[DEA_LIMIT_PRESTRETCH]);
 }
 
+/* A tension to be kept: at the end the passive part carries exactly that, in the fast way and in the general one. */
+static void least_tension_ends_the_drive(void **state) {
+    (void)state;
+    struct dea_design design = dea_design_of_paper();
+    design.prestretch[0] = 0.88;
+    design.least_tension = 90e3;
+    struct dea_design_end end, general;
+    assert_int_equal(dea_design_limit(&design, &end, NULL), DEA_OK);
+    assert_int_equal(end.mode, DEA_LIMIT_SLACK1);
+    assert_true(fabs(end.passive_stress1 / 90e3 - 1.0) < 1e-12);
+    assert_true(end.true_field < 100e6);
+    design.dielectric.permittivity_slope = 1e-300; /* not constant, hence the general way */
+    assert_int_equal(dea_design_limit(&design, &general, NULL), DEA_OK);
+    assert_int_equal(general.mode, DEA_LIMIT_SLACK1);
+    assert_true(fabs(general.stretch / end.stretch - 1.0) < 1e-13);
+    assert_true(fabs(general.passive_stress1 / 90e3 - 1.0) < 1e-11);
+    assert_true(fabs(general.stress1 / end.stress1 - 1.0) < 1e-11);
+
+    design.least_tension = 200e3; /* more than the prestretch gives */
+    assert_int_equal(dea_design_limit(&design, &end, NULL), DEA_OK);
+    assert_int_equal(end.mode, DEA_LIMIT_PRESTRETCH);
+}
+
+/* A supply that ends before anything fails, both ways. */
+static void supply_ends_the_drive(void **state) {
+    (void)state;
+    struct dea_design design = dea_design_of_paper();
+    design.max_voltage = 1500.0;
+    struct dea_design_end end, general;
+    assert_int_equal(dea_design_limit(&design, &end, NULL), DEA_OK);
+    assert_int_equal(end.mode, DEA_LIMIT_SUPPLY);
+    assert_true(fabs(end.voltage / 1500.0 - 1.0) < 1e-14);
+    design.dielectric.permittivity_slope = 1e-300;
+    assert_int_equal(dea_design_limit(&design, &general, NULL), DEA_OK);
+    assert_int_equal(general.mode, DEA_LIMIT_SUPPLY);
+    assert_true(fabs(general.stretch / end.stretch - 1.0) < 1e-13);
+    assert_true(fabs(general.displacement / end.displacement - 1.0) < 1e-12);
+    assert_true(fabs(general.stress2 / end.stress2 - 1.0) < 1e-12);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fast_limit_agrees_with_the_walk),
+        cmocka_unit_test(least_tension_ends_the_drive),
+        cmocka_unit_test(supply_ends_the_drive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
