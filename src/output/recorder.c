@@ -158,9 +158,8 @@ enum dea_status dea_recorder_append(struct dea_recorder *recorder, double time, 
     for (size_t i = 0; i < recorder->writer_count; i++)
         if (!recorder->writers[i]->class->append(recorder->writers[i], time, values))
             recorder->failed = true;
-    if (recorder->failed)
-        return report_trouble(recorder, error);
-    if (coarse_clock() - recorder->flushed >= FLUSH_INTERVAL)
+    /* After a failure the other files are flushed too, so that the message tells of all of them. */
+    if (recorder->failed || coarse_clock() - recorder->flushed >= FLUSH_INTERVAL)
         return dea_recorder_flush(recorder, error);
     return DEA_OK;
 }

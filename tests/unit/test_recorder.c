@@ -242,6 +242,36 @@ static void every_incomplete_file_is_listed(void **state) {
     remove_scratch(folder);
 }
 
+/* The file that fails first does not hide that another is full as well. */
+static void failing_append_tells_of_all_files(void **state) {
+    (void)state;
+    char folder[SCRATCH_LENGTH], expected[512];
+    make_scratch(folder);
+    signal(SIGXFSZ, SIG_IGN);
+    struct rlimit before, tight;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    tight = before;
+    tight.rlim_cur = 2000; /* bytes */
+    struct dea_recorder *recorder;
+    struct dea_error error, closing;
+    assert_int_equal(open_recorder(folder, DEA_FORMAT_CSV | DEA_FORMAT_RAW, &recorder, &error), DEA_OK);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    enum dea_status status = DEA_OK;
+    for (int i = 0; i < 100000 && status == DEA_OK; i++)
+        status = dea_recorder_append(recorder, i, (double[]){1.0 / 3.0, -2.0 / 3.0}, &error);
+    enum dea_status closed = dea_recorder_close(recorder, &closing);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_int_equal(status, DEA_ERR_OUTPUT);
+    assert_int_equal(closed, DEA_ERR_OUTPUT);
+    snprintf(expected, sizeof expected,
+             "%s/result.csv is incomplete: File too large; its first %ld rows are good; "
+             "%s/result.raw is incomplete: File too large; its first %ld rows are good",
+             folder, count_csv_rows(folder), folder, count_raw_rows(folder));
+    assert_string_equal(error.text, expected);
+    assert_string_equal(closing.text, expected);
+    remove_scratch(folder);
+}
+
 static void closing_nothing_is_fine(void **state) {
     (void)state;
     assert_int_equal(dea_recorder_close(NULL, NULL), DEA_OK);
@@ -256,6 +286,7 @@ int main(void) {
         cmocka_unit_test(size_limit_leaves_whole_rows),
         cmocka_unit_test(full_disk_leaves_whole_rows),
         cmocka_unit_test(every_incomplete_file_is_listed),
+        cmocka_unit_test(failing_append_tells_of_all_files),
         cmocka_unit_test(closing_nothing_is_fine),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
