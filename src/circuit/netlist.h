@@ -1,5 +1,5 @@
-/* A user's netlist, read, vetted and searched for what the coupling needs. Nothing in it is executed.
- * ngspice netlists can run shell commands and write files: unless `trusted`, everything of that kind is refused. */
+/* A user's netlist, read, vetted and searched for what the coupling needs. Nothing in it is executed, ever.
+ * ngspice netlists can run shell commands and touch files: only lines known to be harmless reach the engine. */
 #ifndef DEASIM_CIRCUIT_NETLIST_H
 #define DEASIM_CIRCUIT_NETLIST_H
 
@@ -17,16 +17,24 @@ struct dea_netlist_device {
 };
 
 struct dea_netlist_options {
-    bool trusted; /* accept .control blocks and file access; the file is then the user's own program */
+    bool trusted; /* files outside the netlist's folder may be read; .control blocks are skipped instead of refused */
     const struct dea_netlist_device *devices;
     int device_count;
 };
 
-/* One logical line: continuations joined, comments after ';' or '$ ' kept, CR removed. */
+/* One logical line: continuations joined, comments and CR removed. Comment lines, and what belongs to our own analysis
+ * (.tran, .save, .print, ...), are not passed to the engine. */
 struct dea_netlist_line {
-    char *text; /* owned */
-    int file;   /* index into files */
-    int line;   /* first physical line, from 1 */
+    char *text;  /* owned */
+    int file;    /* index into files */
+    int line;    /* first physical line, from 1 */
+    bool passed; /* goes into the deck */
+};
+
+/* `.ic v(node)=value` with a plain number. */
+struct dea_netlist_initial {
+    char *node;   /* lower case; owned */
+    double value; /* V */
 };
 
 /* One simulated device: one flattened subcircuit call. A call inside a user's .subckt counts once per use of that
@@ -58,7 +66,11 @@ struct dea_netlist {
     int instance_count;
     char **measures; /* owned; names of the .measure tran lines, lower case, in file order */
     int measure_count;
-    bool has_initial_conditions; /* an .ic line or an IC= on an element outside a .model */
+    struct dea_netlist_initial *initials; /* owned */
+    int initial_count;
+    bool has_event_parts; /* A devices: redoing a step is unsafe */
+    char **warnings;      /* owned; "file:line: what was left out" */
+    int warning_count;
 };
 
 /* Reads and vets a netlist with its .include and .lib files. DEA_ERR_INPUT with "file:line: ...". The caller clears it,
@@ -67,6 +79,9 @@ enum dea_status dea_netlist_read(const char *path, const struct dea_netlist_opti
                                  struct dea_netlist *netlist, struct dea_error *error);
 
 void dea_netlist_clear(struct dea_netlist *netlist);
+
+/* File name of a logical line; *line its number there. */
+const char *dea_netlist_place(const struct dea_netlist *netlist, int index, int *line);
 
 /* Number with SPICE suffix (T G Meg K mil m u n p f a; M is milli; trailing letters ignored) in *value; false when it
  * is none. */

@@ -1,0 +1,204 @@
+/* What of a netlist may reach ngspice: a list of what is known to be harmless, not of what is known to be dangerous. */
+#include "circuit/netlist_internal.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum verdict { PASS, OURS, LEAVE_OUT, REFUSE };
+
+/* Dot cards. OURS: we read it, the deck gets our own. LEAVE_OUT: with a warning. */
+static const struct {
+    const char *card;
+    enum verdict verdict;
+} cards[] = {
+    {".model", PASS},    {".subckt", PASS},    {".ends", PASS},         {".param", PASS},      {".func", PASS},
+    {".ic", PASS},       {".nodeset", PASS},   {".global", PASS},       {".temp", PASS},       {".if", PASS},
+    {".elseif", PASS},   {".else", PASS},      {".endif", PASS},        {".csparam", PASS},    {".options", PASS},
+    {".option", PASS},   {".opt", PASS},       {".measure", PASS},      {".meas", PASS},       {".tran", OURS},
+    {".save", OURS},     {".print", OURS},     {".plot", OURS},         {".probe", OURS},      {".title", OURS},
+    {".width", OURS},    {".ac", LEAVE_OUT},   {".dc", LEAVE_OUT},      {".op", LEAVE_OUT},    {".noise", LEAVE_OUT},
+    {".tf", LEAVE_OUT},  {".pz", LEAVE_OUT},   {".sens", LEAVE_OUT},    {".disto", LEAVE_OUT}, {".sp", LEAVE_OUT},
+    {".pss", LEAVE_OUT}, {".four", LEAVE_OUT}, {".fourier", LEAVE_OUT}, {".exec", REFUSE},
+};
+
+/* Options that belong to the circuit's solution. Others steer ngspice's own output or front end. */
+static const char *const simulation_options[] = {
+    "abstol",    "reltol",   "vntol",        "chgtol",     "trtol",      "gmin",      "gminsteps", "srcsteps",
+    "itl1",      "itl2",     "itl3",         "itl4",       "itl5",       "itl6",      "pivtol",    "pivrel",
+    "method",    "maxord",   "temp",         "tnom",       "xmu",        "defl",      "defw",      "defad",
+    "defas",     "defm",     "scale",        "cshunt",     "rshunt",     "rseries",   "noopiter",  "ramptime",
+    "convlimit", "convstep", "convabsstep",  "maxevtiter", "maxopalter", "noopalter", "minbreak",  "bypass",
+    "oldlimit",  "badmos3",  "trytocompact", "seed",
+};
+
+static bool is_simulation_option(const char *name) {
+    for (size_t i = 0; i < sizeof simulation_options / sizeof simulation_options[0]; i++)
+        if (strcmp(name, simulation_options[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Rewrites an options line to the ones that count, with a warning for the others. */
+static enum dea_status vet_options(struct dea_netlist_job *job, int index) {
+    struct dea_netlist_line *line = &job->netlist->lines[index];
+    char *kept = malloc(strlen(line->text) + 32), name[DEA_TOKEN_MAX], token[DEA_TOKEN_MAX];
+    if (kept == NULL)
+        return dea_fail(job->error, DEA_ERR_MEMORY, "out of memory reading the netlist");
+    char *end = stpcpy(kept, ".options");
+    const char *cursor = line->text;
+    enum dea_status status = DEA_OK;
+    bool any = false, more = dea_netlist_token(&cursor, token) && dea_netlist_token(&cursor, name);
+    while (more && status == DEA_OK) {
+        char value[DEA_TOKEN_MAX] = "";
+        more = dea_netlist_token(&cursor, token);
+        if (more && strcmp(token, "=") == 0) {
+            if (!dea_netlist_token(&cursor, value))
+                status = dea_netlist_fail(job, index, "option %s has no value", name);
+            more = dea_netlist_token(&cursor, token);
+        }
+        if (is_simulation_option(name)) {
+            *end++ = ' ';
+            end = stpcpy(end, name);
+            if (value[0] != '\0') {
+                *end++ = '=';
+                end = stpcpy(end, value);
+            }
+            any = true;
+        } else if (status == DEA_OK) {
+            status = dea_netlist_warn(job, index, "option %s left out: it does not concern the transient", name);
+        }
+        memcpy(name, token, sizeof name);
+    }
+    free(line->text);
+    line->text = kept;
+    line->passed = any;
+    return status;
+}
+
+/* ---- files named in models ---- */
+
+/* Finds `...file = name` at or after *cursor; start and length of the name, *cursor behind it. */
+static bool find_file_parameter(const char **cursor, const char **name, size_t *length) {
+    for (const char *c = *cursor; (c = strcasestr(c, "file")) != NULL; c++) {
+        const char *at = c + 4;
+        while (isspace((unsigned char)*at))
+            at++;
+        if (*at != '=')
+            continue;
+        at++;
+        while (isspace((unsigned char)*at))
+            at++;
+        bool quoted = *at == '"';
+        *name = at + quoted;
+        *length = quoted ? strcspn(*name, "\"") : strcspn(*name, " \t)(,");
+        *cursor = *name + *length;
+        return true;
+    }
+    return false;
+}
+
+/* Replaces every file name by its resolved path: ngspice would look for it elsewhere. */
+static enum dea_status vet_file_parameters(struct dea_netlist_job *job, int index) {
+    struct dea_netlist_line *line = &job->netlist->lines[index];
+    const char *cursor = line->text, *name;
+    size_t length;
+    while (find_file_parameter(&cursor, &name, &length)) {
+        char wanted[1024], *resolved, *changed;
+        if (length >= sizeof wanted)
+            return dea_netlist_fail(job, index, "a file name of more than 1000 characters");
+        memcpy(wanted, name, length);
+        wanted[length] = '\0';
+        int at;
+        const char *file = dea_netlist_place(job->netlist, index, &at);
+        DEA_TRY(dea_netlist_resolve(job, wanted, file, at, &resolved));
+        if (strchr(resolved, '"') != NULL) {
+            free(resolved);
+            return dea_netlist_fail(job, index, "a file name with a quote in its path");
+        }
+        bool quoted = name > line->text && name[-1] == '"';
+        size_t before = (size_t)(name - line->text) - quoted;
+        int made = asprintf(&changed, "%.*s\"%s\"%s", (int)before, line->text, resolved,
+                            name + length + (quoted && name[length] == '"'));
+        size_t resume = before + strlen(resolved) + 2;
+        free(resolved);
+        if (made < 0)
+            return dea_fail(job->error, DEA_ERR_MEMORY, "out of memory reading the netlist");
+        free(line->text);
+        line->text = changed;
+        cursor = changed + resume;
+    }
+    return DEA_OK;
+}
+
+/* Models that start programs or load libraries. */
+static enum dea_status vet_model(struct dea_netlist_job *job, int index) {
+    static const char *const refused[] = {"d_process", "d_cosim"};
+    const char *cursor = job->netlist->lines[index].text;
+    char token[DEA_TOKEN_MAX];
+    while (dea_netlist_token(&cursor, token))
+        for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
+            if (strcmp(token, refused[i]) == 0)
+                return dea_netlist_fail(job, index, "models of type %s are refused: they start programs", token);
+    return vet_file_parameters(job, index);
+}
+
+/* ---- lines ---- */
+
+/* EXTERNAL sources belong to the devices; nobody would answer for the user's. */
+static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
+    const char *cursor = job->netlist->lines[index].text;
+    char token[DEA_TOKEN_MAX];
+    while (dea_netlist_token(&cursor, token))
+        if (strcmp(token, "external") == 0)
+            return dea_netlist_fail(job, index, "EXTERNAL sources are refused: nothing would drive them");
+    return DEA_OK;
+}
+
+static enum dea_status vet_card(struct dea_netlist_job *job, int index) {
+    struct dea_netlist_line *line = &job->netlist->lines[index];
+    const char *cursor = line->text;
+    char card[DEA_TOKEN_MAX], kind[DEA_TOKEN_MAX];
+    if (!dea_netlist_token(&cursor, card))
+        return DEA_OK;
+    enum verdict verdict = REFUSE;
+    for (size_t i = 0; i < sizeof cards / sizeof cards[0]; i++)
+        if (strcmp(card, cards[i].card) == 0)
+            verdict = cards[i].verdict;
+    if (verdict == REFUSE)
+        return dea_netlist_fail(job, index, "%s is not allowed in a netlist for a coupled run", card);
+    if (verdict == LEAVE_OUT)
+        return dea_netlist_warn(job, index, "%s left out: only the transient is run", card);
+    line->passed = verdict == PASS;
+    if (strncmp(card, ".opt", 4) == 0)
+        return vet_options(job, index);
+    if (strcmp(card, ".model") == 0)
+        return vet_model(job, index);
+    if (strncmp(card, ".meas", 5) == 0 && dea_netlist_token(&cursor, kind) && strcmp(kind, "tran") != 0) {
+        line->passed = false;
+        return dea_netlist_warn(job, index, ".measure %s left out: only the transient is run", kind);
+    }
+    return DEA_OK;
+}
+
+enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
+    struct dea_netlist *netlist = job->netlist;
+    for (int i = 1; i < netlist->line_count; i++) {
+        struct dea_netlist_line *line = &netlist->lines[i];
+        char first = line->text[0];
+        if (first == '.') {
+            DEA_TRY(vet_card(job, i));
+            continue;
+        }
+        if (!isalpha((unsigned char)first))
+            return dea_netlist_fail(job, i, "not an element: \"%.40s\"", line->text);
+        line->passed = true;
+        netlist->has_event_parts = netlist->has_event_parts || tolower((unsigned char)first) == 'a';
+        if (strchr("vViI", first) != NULL)
+            DEA_TRY(vet_source(job, i));
+        DEA_TRY(vet_file_parameters(job, i));
+    }
+    return DEA_OK;
+}
