@@ -32,6 +32,7 @@ struct dea_port {
     double conductivity_field; /* E_B in sigma = s0 exp(|E|/E_B), V/m; INFINITY: ohmic */
     double leakage_area;       /* w l0 / lp1: area is this times lam1, m^2 */
     double leakage_thickness;  /* t0 lp1: E = V lam1 / this, m */
+    double initial_charge;     /* C; used with uic only, same for all instances of the device */
 };
 
 /* The device a netlist name stands for; same order as dea_netlist_options.devices. */

@@ -5,7 +5,9 @@
 
 #include "circuit/deck.h"
 
-/* One port at an accepted point. */
+/* One port at an accepted point. ngspice reports the iterate its elements were last evaluated at: voltages carry the
+ * leftover of Newton's iteration (up to reltol, in practice second order in the step), the charge is the exact integral
+ * of the current. */
 struct dea_port_sample {
     double port_voltage; /* between the pins, V */
     double film_voltage; /* across the film, V; the same without R_e */

@@ -1,0 +1,404 @@
+/* Runs libngspice: start, load, transient with callbacks, verdict. */
+#include "circuit/engine_internal.h"
+
+#include "circuit/netlist_internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define STALL_WINDOW 100000 /* candidates that must bring the run forward ... */
+#define STALL_SHARE 1e-6    /* ... by this share of its length */
+#define TINY_WINDOW 5000    /* candidates in a row, all shorter than ... */
+#define TINY_SHARE 1e-11    /* ... this share of the run, are a collapse */
+
+/* The engine ngspice's callbacks serve. ngspice itself is one per process, and so is this. */
+static struct dea_engine *current_engine;
+static bool library_started, library_dead;
+
+/* ---- steps ---- */
+
+static void record_step(struct dea_engine *engine, double time, double delta, enum dea_step_verdict verdict) {
+    engine->steps[engine->step_count++ % DEA_STEPS_KEPT] = (struct dea_step_record){time, delta, verdict};
+}
+
+/* Ends the run at the point ngspice is at: a stop condition that is always true, the only way its interface offers. */
+static void stop_run(struct dea_engine *engine, enum dea_status verdict) {
+    if (engine->verdict == DEA_OK)
+        engine->verdict = verdict;
+    if (engine->stop_sent)
+        return;
+    engine->stop_sent = true;
+    char command[] = "stop when time > -1";
+    ngSpice_Command(command);
+}
+
+/* A run that does not get on is ended, also when every single step converges. */
+static void check_progress(struct dea_engine *engine, double time, double delta) {
+    bool tiny = delta < TINY_SHARE * engine->options->stop;
+    if (!tiny)
+        engine->tiny_steps = 0;
+    else
+        engine->tiny_steps++;
+    bool stalled = false;
+    if (engine->step_count - engine->window_first >= STALL_WINDOW) {
+        stalled = time - engine->window_start < STALL_SHARE * engine->options->stop;
+        engine->window_first = engine->step_count;
+        engine->window_start = time;
+    }
+    if ((stalled || engine->tiny_steps >= TINY_WINDOW) && engine->verdict == DEA_OK) {
+        char steps[900];
+        dea_engine_describe_steps(engine, steps, sizeof steps);
+        stop_run(engine, dea_fail(engine->run_error, DEA_ERR_SOLVER, "%s: the run is not advancing past t = %.9g s; %s",
+                                  engine->netlist->files[0], time, steps));
+    }
+}
+
+/* After a candidate ngspice would accept: may the device ask for a redo? */
+static bool ask_redo(struct dea_engine *engine, double time, double *next, double delta) {
+    const struct dea_engine_callbacks *callbacks = engine->callbacks;
+    /* the first step loses half its charge when redone; the last one would miss the end; events are not rolled back */
+    if (callbacks->candidate == NULL || !engine->redo_possible || engine->stats.points < 2 ||
+        engine->verdict != DEA_OK || time >= engine->options->stop - 2.0 * engine->floor || 0.5 * delta < engine->floor)
+        return false;
+    double shorter = 0.5 * delta;
+    if (!callbacks->candidate(callbacks->context, time, delta, &shorter))
+        return false;
+    if (!(shorter >= engine->floor))
+        shorter = engine->floor;
+    if (shorter > 0.9 * delta)
+        shorter = 0.9 * delta;
+    *next = shorter;
+    return true;
+}
+
+/* ---- ngspice's callbacks ---- */
+
+static int hear_line(char *line, int id, void *context) {
+    (void)id;
+    (void)context;
+    if (current_engine != NULL)
+        dea_engine_hear(current_engine, line);
+    return 0;
+}
+
+static int note_exit(int code, NG_BOOL immediate, NG_BOOL quit, int id, void *context) {
+    (void)code;
+    (void)immediate;
+    (void)quit;
+    (void)id;
+    (void)context;
+    library_dead = true;
+    if (current_engine != NULL)
+        current_engine->complaints.exit_requested = true;
+    return 0;
+}
+
+static int give_value(double *value, double t, char *name, int id, void *context) {
+    (void)id;
+    (void)context;
+    *value = current_engine != NULL ? dea_engine_external_value(current_engine, name, t) : 0.0;
+    return 0;
+}
+
+static int refuse_current(double *value, double t, char *name, int id, void *context) {
+    (void)t;
+    (void)name;
+    (void)id;
+    (void)context;
+    *value = 0.0; /* vetting lets no EXTERNAL current source through */
+    return 0;
+}
+
+static int steer_step(double time, double *delta, double old_delta, int redo, int id, int location, void *context) {
+    (void)id;
+    (void)context;
+    struct dea_engine *engine = current_engine;
+    if (engine == NULL || !engine->running)
+        return 0;
+    const struct dea_engine_callbacks *callbacks = engine->callbacks;
+    double wanted = *delta;
+    if (location == 0) { /* before the step from time to time + *delta */
+        if (callbacks->before_step == NULL || engine->verdict != DEA_OK)
+            return 0;
+        callbacks->before_step(callbacks->context, time, &wanted);
+        if (wanted < *delta)
+            *delta = fmax(wanted, fmin(*delta, engine->floor));
+        return 0;
+    }
+    if (redo) { /* rejected; time is back at the start of the step */
+        engine->stats.rejected++;
+        record_step(engine, time + old_delta, old_delta, DEA_STEP_REJECTED);
+        check_progress(engine, time, old_delta);
+        if (callbacks->rejected != NULL) {
+            callbacks->rejected(callbacks->context, time, &wanted);
+            if (wanted < *delta)
+                *delta = fmax(wanted, fmin(*delta, engine->floor));
+        }
+        return 0;
+    }
+    if (ask_redo(engine, time, &wanted, old_delta)) {
+        engine->stats.redone++;
+        record_step(engine, time, old_delta, DEA_STEP_REDONE);
+        check_progress(engine, time - old_delta, old_delta);
+        *delta = wanted;
+        return 1;
+    }
+    record_step(engine, time, old_delta, DEA_STEP_ACCEPTED);
+    check_progress(engine, time, old_delta);
+    if (engine->stats.points > 1 && (engine->stats.shortest == 0.0 || old_delta < engine->stats.shortest))
+        engine->stats.shortest = old_delta;
+    return 0;
+}
+
+static int take_point(pvecvaluesall values, int count, int id, void *context) {
+    (void)count;
+    (void)id;
+    (void)context;
+    struct dea_engine *engine = current_engine;
+    if (engine == NULL || !engine->running || engine->verdict != DEA_OK)
+        return 0;
+    enum dea_status status = DEA_OK;
+    if (!engine->vectors_known)
+        status = dea_engine_map_vectors(engine, values, engine->run_error);
+    if (status == DEA_OK) {
+        double time = values->vecsa[engine->time_vector]->creal, stop = engine->options->stop;
+        if (fabs(time - stop) < 1e-10 * dea_deck_longest_step(engine->options)) /* ngspice may end a little early */
+            time = stop;
+        dea_engine_fill_samples(engine, values);
+        engine->stats.points++;
+        engine->stats.reached = time;
+        struct dea_circuit_point point = {.time = time, .ports = engine->samples, .nodes = engine->node_values};
+        const struct dea_engine_callbacks *callbacks = engine->callbacks;
+        if (callbacks->accepted != NULL)
+            status = callbacks->accepted(callbacks->context, &point, engine->run_error);
+    }
+    if (status != DEA_OK)
+        stop_run(engine, status);
+    return 0;
+}
+
+static int ignore_status(char *text, int id, void *context) {
+    (void)text;
+    (void)id;
+    (void)context;
+    return 0;
+}
+
+static int ignore_vectors(pvecinfoall info, int id, void *context) {
+    (void)info;
+    (void)id;
+    (void)context;
+    return 0;
+}
+
+/* ---- start ---- */
+
+static int command(const char *text) {
+    char buffer[256];
+    snprintf(buffer, sizeof buffer, "%s", text);
+    return ngSpice_Command(buffer);
+}
+
+/* Initialises ngspice from a folder of its own that holds an empty .spiceinit: ngspice runs the one of the current
+ * folder, or else the one of the home folder. */
+static enum dea_status start_in_folder(const char *folder, struct dea_error *error) {
+    int file = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (file < 0)
+        return dea_fail(error, DEA_ERR_SOLVER, "cannot write into %s: %s", folder, strerror(errno));
+    close(file);
+    int failed = ngSpice_Init(hear_line, ignore_status, note_exit, take_point, ignore_vectors, NULL, NULL);
+    unlink(".spiceinit");
+    if (failed || library_dead)
+        return dea_fail(error, DEA_ERR_SOLVER, "libngspice does not start");
+    return DEA_OK;
+}
+
+static enum dea_status start_library(struct dea_error *error) {
+    /* nothing of the environment may divert ngspice's files */
+    static const char *const variables[] = {"SPICE_LIB_DIR", "SPICE_SCRIPTS", "SPICE_PATH", "SPICE_ASCIIRAWFILE",
+                                            "NGSPICE_INPUT_DIR"};
+    for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++)
+        unsetenv(variables[i]);
+    setlocale(LC_NUMERIC, "C");
+    const char *base = getenv("TMPDIR");
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%s/deasim-XXXXXX", base != NULL && base[0] == '/' ? base : "/tmp");
+    if (mkdtemp(folder) == NULL)
+        return dea_fail(error, DEA_ERR_SOLVER, "cannot make a folder %s: %s", folder, strerror(errno));
+    int back = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    enum dea_status status = DEA_OK;
+    if (back < 0 || chdir(folder) != 0)
+        status = dea_fail(error, DEA_ERR_SOLVER, "cannot change folder: %s", strerror(errno));
+    if (status == DEA_OK)
+        status = start_in_folder(folder, error);
+    if (back >= 0) {
+        if (fchdir(back) != 0 && status == DEA_OK)
+            status = dea_fail(error, DEA_ERR_SOLVER, "cannot change folder back: %s", strerror(errno));
+        close(back);
+    }
+    rmdir(folder);
+    DEA_TRY(status);
+    int identity = 0;
+    ngSpice_Init_Sync(give_value, refuse_current, steer_step, &identity, NULL);
+    /* Its last resort for the operating point, a pseudo transient, can run for ever and asks for external values at
+     * times of its own: without it the failure is clean and names the node. Threads cost more than they bring in small
+     * circuits. */
+    command("optran 1 1 1 0 0 0");
+    command("set num_threads=1");
+    library_started = true;
+    return DEA_OK;
+}
+
+enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *error) {
+    *engine = NULL;
+    if (current_engine != NULL)
+        return dea_fail(error, DEA_ERR_INTERNAL, "a circuit engine exists already in this process");
+    if (library_dead)
+        return dea_fail(error, DEA_ERR_SOLVER, "ngspice has asked to exit and cannot be used again in this process");
+    struct dea_engine *made = calloc(1, sizeof *made);
+    if (made == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit engine");
+    if (!library_started) {
+        enum dea_status status = start_library(error);
+        if (status != DEA_OK) {
+            free(made);
+            return status;
+        }
+    }
+    made->complaints.place = -1;
+    current_engine = made;
+    *engine = made;
+    return DEA_OK;
+}
+
+/* ---- load ---- */
+
+/* Removes the circuit before, its results and stop conditions. */
+static void unload(struct dea_engine *engine) {
+    if (engine->netlist != NULL && !library_dead) {
+        command("destroy all");
+        command("delete all");
+        command("remcirc");
+    }
+    dea_engine_clear_ports(engine);
+    dea_engine_clear_complaints(engine);
+    free(engine->measures);
+    free(engine->breakpoints);
+    engine->measures = NULL;
+    engine->breakpoints = NULL;
+    engine->measure_count = engine->breakpoint_count = 0;
+    engine->netlist = NULL;
+}
+
+enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netlist *netlist,
+                                const struct dea_deck *deck, const struct dea_circuit_device *devices,
+                                const struct dea_deck_options *options, const struct dea_engine_callbacks *callbacks,
+                                struct dea_error *error) {
+    unload(engine);
+    engine->netlist = netlist;
+    engine->deck = deck;
+    engine->devices = devices;
+    engine->options = options;
+    engine->callbacks = callbacks;
+    engine->redo_possible = !netlist->has_event_parts;
+    DEA_TRY(dea_engine_prepare_ports(engine, error));
+    engine->measures = calloc((size_t)netlist->measure_count + 1, sizeof *engine->measures);
+    if (engine->measures == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit");
+    engine->measure_count = netlist->measure_count;
+    for (int i = 0; i < netlist->measure_count; i++) {
+        snprintf(engine->measures[i].name, sizeof engine->measures[i].name, "%s", netlist->measures[i]);
+        engine->measures[i].failed = true;
+    }
+    int failed = ngSpice_Circ(deck->lines);
+    if (failed || engine->complaints.count > 0 || engine->complaints.exit_requested)
+        return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", error);
+    return DEA_OK;
+}
+
+enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, struct dea_error *error) {
+    if (!(t > 0.0) || !(t < engine->options->stop))
+        return DEA_OK; /* both ends are points anyway */
+    double *grown = dea_grow(engine->breakpoints, engine->breakpoint_count, sizeof *grown);
+    if (grown == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for breakpoints");
+    engine->breakpoints = grown;
+    engine->breakpoints[engine->breakpoint_count++] = t;
+    return DEA_OK;
+}
+
+/* ---- run ---- */
+
+/* What an early end of the transient means. */
+static enum dea_status judge_failure(const struct dea_engine *engine, struct dea_error *error) {
+    const struct dea_complaints *complaints = &engine->complaints;
+    char what[1200], steps[800];
+    if (engine->stats.points == 0) {
+        if (complaints->singular[0] != '\0')
+            snprintf(what, sizeof what,
+                     "no operating point at t = 0: node %s has no DC path to ground, or sources contradict each other "
+                     "there (help: "
+                     "a large resistor from it to ground, .options rshunt=1e12, or uic)",
+                     complaints->singular);
+        else
+            snprintf(what, sizeof what, "no operating point at t = 0");
+        return dea_engine_complain(engine, DEA_ERR_SOLVER, what, error);
+    }
+    dea_engine_describe_steps(engine, steps, sizeof steps);
+    snprintf(what, sizeof what, "the circuit gave up at t = %.9g s%s%s; %s", engine->stats.reached,
+             complaints->worst[0] != '\0' ? ", trouble with " : "", complaints->worst, steps);
+    return dea_engine_complain(engine, DEA_ERR_SOLVER, what, error);
+}
+
+enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error) {
+    if (engine->netlist == NULL || library_dead)
+        return dea_fail(error, DEA_ERR_INTERNAL, "no circuit is loaded");
+    struct dea_error inner = {.status = DEA_OK};
+    engine->run_error = &inner;
+    engine->verdict = DEA_OK;
+    engine->stop_sent = false;
+    engine->step_count = engine->window_first = engine->tiny_steps = 0;
+    engine->window_start = 0.0;
+    engine->floor = 1e-10 * dea_deck_longest_step(engine->options); /* ten times what ngspice itself goes down to */
+    engine->stats = (struct dea_engine_stats){0};
+    for (int i = 0; i < engine->breakpoint_count; i++)
+        if (!ngSpice_SetBkpt(engine->breakpoints[i]))
+            return dea_fail(error, DEA_ERR_SOLVER, "ngspice refuses a breakpoint at t = %.9g s",
+                            engine->breakpoints[i]);
+    engine->running = true;
+    command("run");
+    engine->running = false;
+    engine->run_error = NULL;
+    if (engine->verdict != DEA_OK) {
+        if (error != NULL)
+            *error = inner;
+        return engine->verdict;
+    }
+    if (engine->complaints.aborted || engine->complaints.exit_requested ||
+        engine->stats.reached < engine->options->stop)
+        return judge_failure(engine, error);
+    return DEA_OK;
+}
+
+const struct dea_engine_measure *dea_engine_measures(const struct dea_engine *engine, int *count) {
+    *count = engine->measure_count;
+    return engine->measures;
+}
+
+void dea_engine_stats(const struct dea_engine *engine, struct dea_engine_stats *stats) {
+    *stats = engine->stats;
+}
+
+void dea_engine_close(struct dea_engine *engine) {
+    if (engine == NULL)
+        return;
+    unload(engine);
+    current_engine = NULL;
+    free(engine);
+}

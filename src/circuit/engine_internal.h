@@ -1,0 +1,102 @@
+/* Parts of the engine: running (engine.c), external numbers and samples (ports.c), what ngspice says (messages.c). */
+#ifndef DEASIM_CIRCUIT_ENGINE_INTERNAL_H
+#define DEASIM_CIRCUIT_ENGINE_INTERNAL_H
+
+#include "circuit/deck_internal.h"
+#include "circuit/engine.h"
+
+#include <ngspice/sharedspice.h>
+
+#define DEA_STEPS_KEPT 16    /* for the diagnosis of a collapse */
+#define DEA_COMPLAINTS_MAX 6 /* errors kept for the message */
+
+enum dea_step_verdict { DEA_STEP_ACCEPTED, DEA_STEP_REJECTED, DEA_STEP_REDONE };
+
+struct dea_step_record {
+    double time, delta; /* s; time at the end of the step */
+    enum dea_step_verdict verdict;
+};
+
+/* What ngspice has complained about since the load. */
+struct dea_complaints {
+    char *texts[DEA_COMPLAINTS_MAX]; /* owned */
+    int count;
+    int place;           /* index into netlist lines, -1: not known */
+    int expect_detail;   /* lines to come that belong to the error before */
+    bool exit_requested; /* ControlledExit: ngspice is unusable from now on */
+    bool aborted;        /* the transient ended early */
+    bool measuring;      /* between "Measurements for ..." and the end of the run */
+    char worst[128];     /* unknown ngspice names as the trouble */
+    char singular[128];  /* node of the last singular matrix */
+};
+
+/* One EXTERNAL source. */
+struct dea_external_source {
+    char *name;           /* as ngspice spells it: "v.xdea.vc0"; owned */
+    const char *asked_as; /* ngspice's own pointer to that name, once seen */
+    int instance, port;
+    enum dea_external which;
+    double scale; /* ngspice sees value * scale */
+};
+
+/* Where in ngspice's vector list a value of the sample comes from; -1: ground. */
+struct dea_port_vectors {
+    int p, n, film, current, charge;
+    double charge_unit; /* C */
+};
+
+struct dea_engine {
+    const struct dea_netlist *netlist;
+    const struct dea_deck *deck;
+    const struct dea_circuit_device *devices;
+    const struct dea_deck_options *options;
+    const struct dea_engine_callbacks *callbacks;
+    struct dea_error *run_error; /* of the run in progress */
+
+    struct dea_external_source *sources; /* owned */
+    int source_count, next_source;
+    struct dea_port_vectors *vectors; /* owned, DEA_ZONES per instance */
+    int *node_vectors;                /* owned, -1: ground */
+    bool vectors_known;
+    int time_vector;
+    struct dea_port_sample *samples; /* owned, DEA_ZONES per instance */
+    double *node_values;             /* owned */
+
+    double *breakpoints; /* owned, s */
+    int breakpoint_count;
+
+    bool running, stop_sent;
+    enum dea_status verdict; /* of the callbacks: DEA_OK while going on */
+    double floor;            /* shortest step we ask for, s */
+    bool redo_possible;      /* no event-driven parts */
+    struct dea_step_record steps[DEA_STEPS_KEPT];
+    long step_count;     /* candidates so far */
+    long tiny_steps;     /* candidates in a row below the collapse limit */
+    double window_start; /* time when the current window of candidates began, s */
+    long window_first;
+    struct dea_engine_stats stats;
+
+    struct dea_complaints complaints;
+    struct dea_engine_measure *measures; /* owned */
+    int measure_count;
+};
+
+/* ---- ports.c ---- */
+enum dea_status dea_engine_prepare_ports(struct dea_engine *engine, struct dea_error *error);
+void dea_engine_clear_ports(struct dea_engine *engine);
+double dea_engine_external_value(struct dea_engine *engine, const char *name, double t);
+/* Finds the wanted vectors in ngspice's list; DEA_ERR_INPUT names a node that does not exist. */
+enum dea_status dea_engine_map_vectors(struct dea_engine *engine, const vecvaluesall *values, struct dea_error *error);
+void dea_engine_fill_samples(struct dea_engine *engine, const vecvaluesall *values);
+
+/* ---- messages.c ---- */
+/* Takes one line of ngspice's output. */
+void dea_engine_hear(struct dea_engine *engine, const char *line);
+void dea_engine_clear_complaints(struct dea_engine *engine);
+/* Fails with the collected errors, "file:line: " in front where known. */
+enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_status status, const char *what,
+                                    struct dea_error *error);
+/* Appends the last steps to a message. */
+void dea_engine_describe_steps(const struct dea_engine *engine, char *text, size_t size);
+
+#endif

@@ -1,0 +1,465 @@
+/* The engine with the port model against exact solutions, and the traps of ngspice's synchronisation interface. */
+#include "circuit/engine.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define C_REST 80.5e-12 /* F */
+
+struct samples {
+    double (*capacitance)(double t);
+    double curvature; /* F/V^2 */
+    double resistance;
+    double stretch;
+    double position;
+    int count, stop_after;
+    enum dea_status stop_with;
+    double time[20000], voltage[20000], film[20000], charge[20000], current[20000], node[20000];
+    double longest_request; /* for before_step, s; 0: none */
+    double largest_step;
+    bool redo; /* redo every third candidate once */
+    long candidates;
+    double last_redone;
+    char messages[8192];
+};
+
+static double constant_capacitance(double t) {
+    (void)t;
+    return C_REST;
+}
+
+static double moving_capacitance(double t) {
+    return C_REST * (1.0 + 0.3 * sin(2.0 * M_PI * 180.0 * t));
+}
+
+/* Jumps at 5 ms; right limit there, left limit just before: what the coupling has to give. */
+static double jumping_capacitance(double t) {
+    return t < 5e-3 ? C_REST : 1.5 * C_REST;
+}
+
+static double give(void *context, int instance, int port, enum dea_external which, double t) {
+    const struct samples *samples = context;
+    (void)instance;
+    switch (which) {
+    case DEA_EXTERNAL_CAPACITANCE:
+        return samples->capacitance(t);
+    case DEA_EXTERNAL_CURVATURE:
+        return samples->curvature;
+    case DEA_EXTERNAL_RESISTANCE:
+        return samples->resistance;
+    case DEA_EXTERNAL_STRETCH:
+        return samples->stretch;
+    default:
+        assert_int_equal(port, -1);
+        return samples->position;
+    }
+}
+
+static void limit_step(void *context, double t, double *delta) {
+    const struct samples *samples = context;
+    (void)t;
+    if (samples->longest_request > 0.0 && *delta > samples->longest_request)
+        *delta = samples->longest_request;
+}
+
+static bool redo_some(void *context, double t, double delta, double *next_delta) {
+    struct samples *samples = context;
+    samples->candidates++;
+    if (!samples->redo || samples->candidates % 3 != 0 || samples->last_redone == t - delta)
+        return false;
+    samples->last_redone = t - delta;
+    *next_delta = 0.5 * delta;
+    return true;
+}
+
+static enum dea_status keep(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
+    struct samples *samples = context;
+    int i = samples->count < 20000 ? samples->count++ : 19999;
+    if (i > 0 && point->time - samples->time[i - 1] > samples->largest_step)
+        samples->largest_step = point->time - samples->time[i - 1];
+    samples->time[i] = point->time;
+    samples->voltage[i] = point->ports[0].port_voltage;
+    samples->film[i] = point->ports[0].film_voltage;
+    samples->charge[i] = point->ports[0].charge;
+    samples->current[i] = point->ports[0].current;
+    samples->node[i] = point->nodes[0];
+    if (samples->stop_after > 0 && samples->count >= samples->stop_after)
+        return samples->stop_with == DEA_STOPPED ? DEA_STOPPED
+                                                 : dea_fail(error, samples->stop_with, "stopped by the test");
+    return DEA_OK;
+}
+
+static void collect(void *context, enum dea_message_kind kind, const char *text) {
+    struct samples *samples = context;
+    static const char letters[] = "NWE";
+    size_t used = strlen(samples->messages);
+    snprintf(samples->messages + used, sizeof samples->messages - used, "%c %s\n", letters[kind], text);
+}
+
+/* ---- one run ---- */
+
+struct scene {
+    const char *netlist;
+    struct dea_port port;
+    struct dea_deck_options options;
+    double breakpoint; /* s; 0: none */
+};
+
+static struct samples *new_samples(void) {
+    struct samples *samples = calloc(1, sizeof *samples);
+    assert_non_null(samples);
+    samples->capacitance = constant_capacitance;
+    samples->position = 0.25e-3;
+    samples->stretch = 1.2;
+    samples->last_redone = -1.0;
+    return samples;
+}
+
+static enum dea_status run_with(struct dea_engine *engine, const struct scene *scene, struct samples *samples,
+                                struct dea_engine_measure *measure, struct dea_engine_stats *stats,
+                                struct dea_error *error) {
+    char path[] = "engine-test-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, scene->netlist, strlen(scene->netlist)), strlen(scene->netlist));
+    close(file);
+    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
+    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
+    struct dea_circuit_device device = {.name = "DEA", .port_count = 1, .ports = {scene->port}};
+    struct dea_netlist netlist;
+    struct dea_deck deck = {0};
+    const char *nodes[] = {"pos"};
+    struct dea_deck_options options = scene->options;
+    options.nodes = nodes;
+    options.node_count = 1;
+    const struct dea_engine_callbacks callbacks = {.context = samples,
+                                                   .port_value = give,
+                                                   .before_step = limit_step,
+                                                   .candidate = samples->redo ? redo_some : NULL,
+                                                   .accepted = keep,
+                                                   .message = collect};
+    error->text[0] = '\0';
+    enum dea_status status = dea_netlist_read(path, &netlist_options, &netlist, error);
+    unlink(path);
+    if (status == DEA_OK)
+        status = dea_deck_build(&netlist, &device, &options, &deck, error);
+    if (status == DEA_OK)
+        status = dea_engine_load(engine, &netlist, &deck, &device, &options, &callbacks, error);
+    if (status == DEA_OK && scene->breakpoint > 0.0)
+        status = dea_engine_add_breakpoint(engine, scene->breakpoint, error);
+    if (status == DEA_OK)
+        status = dea_engine_run(engine, error);
+    int count;
+    const struct dea_engine_measure *measures = dea_engine_measures(engine, &count);
+    if (measure != NULL && count > 0)
+        *measure = measures[0];
+    if (stats != NULL)
+        dea_engine_stats(engine, stats);
+    dea_deck_clear(&deck);
+    dea_netlist_clear(&netlist);
+    return status;
+}
+
+static enum dea_status run(const struct scene *scene, struct samples *samples, struct dea_engine_measure *measure,
+                           struct dea_engine_stats *stats, struct dea_error *error) {
+    struct dea_engine *engine;
+    if (dea_engine_open(&engine, error) != DEA_OK)
+        fail_msg("%s", error->text);
+    enum dea_status status = run_with(engine, scene, samples, measure, stats, error);
+    dea_engine_close(engine);
+    return status;
+}
+
+#define RAMP "Vin in 0 pulse(0 3300 1m 100u 100u 1 2)\n"
+static const struct dea_port plain_port = {.rest_capacitance = C_REST, .conductivity_field = INFINITY};
+
+/* Exact answer of R C to the ramp of RAMP. */
+static double exact_ramp(double t, double tau) {
+    const double slope = 3300.0 / 100e-6;
+    if (t < 1e-3)
+        return 0.0;
+    double in_ramp = fmin(t, 1.1e-3) - 1e-3;
+    double at_end = slope * (in_ramp - tau * (1.0 - exp(-in_ramp / tau)));
+    return t <= 1.1e-3 ? at_end : 3300.0 + (at_end - 3300.0) * exp(-(t - 1.1e-3) / tau);
+}
+
+static double worst_ramp_error(const struct samples *samples, const double *values, double tau) {
+    double worst = 0.0;
+    for (int i = 0; i < samples->count; i++)
+        worst = fmax(worst, fabs(values[i] - exact_ramp(samples->time[i], tau)) / 3300.0);
+    return worst;
+}
+
+/* ---- tests ---- */
+
+static void test_fixed_capacitor_follows_the_exact_solution(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine_measure measure;
+    struct scene scene = {"title\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n.measure tran peak max v(p)\n",
+                          plain_port,
+                          {.stop = 5e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
+                          0.0};
+    if (run(&scene, samples, &measure, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_true(worst_ramp_error(samples, samples->voltage, 1e6 * C_REST) < 5e-5);
+    for (int i = 0; i < samples->count; i++) {
+        assert_true(fabs(samples->charge[i] - C_REST * samples->voltage[i]) < 1e-12);
+        assert_true(fabs(samples->node[i] - 0.25) < 1e-12); /* 0.25 mm reads 0.25 V */
+        assert_true(samples->film[i] == samples->voltage[i]);
+    }
+    assert_true(samples->time[0] == 0.0);
+    assert_true(samples->time[samples->count - 1] == 5e-3);
+    assert_string_equal(measure.name, "peak");
+    assert_false(measure.failed);
+    assert_true(fabs(measure.value - 3300.0) < 0.01);
+    free(samples);
+}
+
+static void test_electrode_resistance_is_in_series(void **state) {
+    (void)state;
+    for (int external = 0; external < 2; external++) {
+        struct samples *samples = new_samples();
+        struct dea_error error;
+        samples->resistance = 1e6;
+        struct scene scene = {"title\n" RAMP "R1 in p 1k\nXdea p 0 pos DEA\n",
+                              plain_port,
+                              {.stop = 5e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
+                              0.0};
+        scene.port.resistance = external ? 2.5e5 : 1e6; /* at rest; the external number is what counts */
+        scene.port.resistance_external = external;
+        if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+            fail_msg("%s", error.text);
+        assert_true(worst_ramp_error(samples, samples->film, 1.001e6 * C_REST) < 5e-5);
+        int last = samples->count - 1;
+        assert_true(fabs(samples->voltage[last] - samples->film[last]) < 0.01);
+        free(samples);
+    }
+}
+
+static void test_moving_capacitor_keeps_its_charge(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    samples->capacitance = moving_capacitance;
+    samples->curvature = 0.02e-6 * C_REST;
+    /* charged to 3.3 kV through a switch that opens at 0.2 ms: from then on the node is isolated */
+    struct scene scene = {"title\nVin in 0 3300\nVg g 0 pulse(1 0 0.2m 1u 1u 1 2)\nS1 in p g 0 sw\n"
+                          ".model sw sw(vt=.5 vh=.1 ron=1k roff=1e18)\nXdea p 0 pos DEA\n.options gmin=1e-20\n",
+                          plain_port,
+                          {.stop = 20e-3, .step = 20e-6, .max_step = 20e-6, .reltol = 1e-4, .trtol = 1.0},
+                          0.0};
+    scene.port.curvature = true;
+    if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    double first = 0.0, drift = 0.0, mismatch = 0.0, lowest = 1e9, highest = 0.0;
+    for (int i = 0; i < samples->count; i++) {
+        double t = samples->time[i], v = samples->voltage[i];
+        double charge = (moving_capacitance(t) + samples->curvature * v * v) * v;
+        mismatch = fmax(mismatch, fabs(charge / samples->charge[i] - 1.0));
+        if (t < 0.3e-3)
+            continue;
+        first = first > 0.0 ? first : samples->charge[i];
+        drift = fmax(drift, fabs(samples->charge[i] / first - 1.0));
+        lowest = fmin(lowest, v);
+        highest = fmax(highest, v);
+    }
+    assert_true(drift < 1e-9);    /* the charge stays */
+    assert_true(mismatch < 1e-4); /* the voltage follows it within reltol: ngspice reports its last but one iterate */
+    assert_true(highest / lowest > 1.3); /* while the voltage breathes */
+    free(samples);
+}
+
+static void test_leakage_follows_its_law(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    const double thickness = 33e-6, lp1 = 1.2, area = 30e-3 * 4e-3, s0 = 1e-12, e_b = 50e6, lam = 1.3;
+    samples->stretch = lam;
+    struct scene scene = {"title\nVin in 0 3300\nR1 in p 1g\nXdea p 0 pos DEA\n",
+                          plain_port,
+                          {.stop = 10.0, .step = 1e-3, .max_step = 0.1},
+                          0.0};
+    scene.port.conductivity = s0;
+    scene.port.conductivity_field = e_b;
+    scene.port.leakage_area = area / lp1;
+    scene.port.leakage_thickness = thickness * lp1;
+    if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    double v = samples->voltage[samples->count - 1], field = v * lam / (thickness * lp1);
+    double leak = s0 * exp(field / e_b) * field * area * lam / lp1;
+    assert_true(3300.0 - v > 10.0); /* it leaks at all */
+    assert_true(fabs((3300.0 - v) / 1e9 - leak) < 2e-3 * leak);
+    free(samples);
+}
+
+/* Voltage after a jump of C at 5 ms: charge is kept, then it recharges. The left limit and the breakpoint both matter.
+ */
+static void test_breakpoint_and_left_limit(void **state) {
+    (void)state;
+    double error_with = 0.0, error_without = 0.0;
+    for (int with = 0; with < 2; with++) {
+        struct samples *samples = new_samples();
+        struct dea_error error;
+        samples->capacitance = jumping_capacitance;
+        struct scene scene = {"title\nVin in 0 3000\nR1 in p 100meg\nXdea p 0 pos DEA\n",
+                              plain_port,
+                              {.stop = 10e-3, .step = 100e-6, .max_step = 100e-6, .reltol = 1e-5, .trtol = 1.0},
+                              with ? 5e-3 : 0.0};
+        if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+            fail_msg("%s", error.text);
+        double *worst = with ? &error_with : &error_without;
+        bool landed = false;
+        for (int i = 0; i < samples->count; i++) {
+            double t = samples->time[i];
+            landed = landed || fabs(t - 5e-3) < 1e-12;
+            if (t < 5.2e-3)
+                continue;
+            double exact = 3000.0 - 1000.0 * exp(-(t - 5e-3) / (1e8 * 1.5 * C_REST));
+            *worst = fmax(*worst, fabs(samples->voltage[i] - exact) / 3000.0);
+        }
+        assert_int_equal(landed, with);
+        free(samples);
+    }
+    print_message("error after a jump: %.1e with breakpoint, %.1e without\n", error_with, error_without);
+    assert_true(error_with < 2e-3);
+    assert_true(error_with < error_without);
+}
+
+static void test_steps_can_be_shortened(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct scene scene = {
+        "title\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n", plain_port, {.stop = 5e-3, .max_step = 1e-3}, 0.0};
+    samples->longest_request = 7e-6;
+    if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_true(samples->largest_step <= 7.001e-6);
+    assert_true(samples->count > 700);
+    assert_true(samples->time[samples->count - 1] == 5e-3);
+    free(samples);
+}
+
+static void test_redone_steps_lose_nothing(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine_stats stats;
+    samples->redo = true;
+    struct scene scene = {"title\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n",
+                          plain_port,
+                          {.stop = 5e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
+                          0.0};
+    if (run(&scene, samples, NULL, &stats, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_true(stats.redone > 100);
+    assert_true(worst_ramp_error(samples, samples->voltage, 1e6 * C_REST) < 5e-5);
+    assert_true(samples->time[samples->count - 1] == 5e-3);
+    free(samples);
+}
+
+static void test_stop_is_exact_and_measures_survive(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine_measure measure;
+    struct dea_engine_stats stats;
+    samples->stop_after = 100;
+    samples->stop_with = DEA_STOPPED;
+    struct scene scene = {"title\nVin in 0 sin(0 10 1k)\nR1 in p 1k\nXdea p 0 pos DEA\n.measure tran peak max v(in)\n",
+                          plain_port,
+                          {.stop = 1.0, .step = 1e-5, .max_step = 1e-5},
+                          0.0};
+    assert_int_equal(run(&scene, samples, &measure, &stats, &error), DEA_STOPPED);
+    assert_int_equal(samples->count, 100);
+    assert_int_equal(stats.points, 100);
+    assert_false(measure.failed);
+    assert_true(fabs(measure.value - 10.0) < 0.01);
+
+    samples->count = 0;
+    samples->stop_with = DEA_ERR_INTERRUPTED;
+    assert_int_equal(run(&scene, samples, NULL, NULL, &error), DEA_ERR_INTERRUPTED);
+    assert_string_equal(error.text, "stopped by the test");
+    free(samples);
+}
+
+static void test_uic_starts_from_the_given_charge(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct scene scene = {"title\nR1 p 0 1meg\n.ic v(p)=1000\nXdea p 0 pos DEA\n",
+                          plain_port,
+                          {.stop = 2e-4, .step = 1e-7, .max_step = 1e-6, .uic = true, .reltol = 1e-6, .trtol = 1.0},
+                          0.0};
+    scene.port.initial_charge = 1000.0 * C_REST;
+    if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_true(samples->time[0] > 0.0);
+    for (int i = 0; i < samples->count; i++)
+        assert_true(fabs(samples->voltage[i] - 1000.0 * exp(-samples->time[i] / (1e6 * C_REST))) < 0.5);
+    free(samples);
+}
+
+/* Netlists ngspice refuses or cannot solve: status and what the message must say. */
+static void test_failures_are_explained(void **state) {
+    (void)state;
+    static const struct {
+        const char *netlist;
+        enum dea_status status;
+        const char *says[3];
+    } cases[] = {
+        {"t\nV1 p 0 1\nR1 p q 1k bla=3\nXdea p 0 pos DEA\n",
+         DEA_ERR_INPUT,
+         {":3: ", "unknown parameter (bla)", "r1 p q 1k bla=3"}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nD1 p 0 nomodel\n",
+         DEA_ERR_INPUT,
+         {":4: ", "can't find model 'nomodel'", NULL}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nX2 p 0 nosub\n", DEA_ERR_INPUT, {":4: ", "unknown subckt", "nosub"}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nR1 p 0\n+ 1k\nR1 p 0 2k\n",
+         DEA_ERR_INPUT,
+         {":6: ", "device already exists", NULL}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nB1 q 0 V=V(p)/(\n", DEA_ERR_INPUT, {":4: ", "syntax error", NULL}},
+        {"t\nI1 0 p 1m\nC1 p 0 1n\nXdea p 0 pos DEA\n",
+         DEA_ERR_SOLVER,
+         {"no operating point at t = 0", "node p has no DC path to ground", NULL}},
+        {"t\nV1 p 0 1\nV2 p 0 2\nXdea p 0 pos DEA\n", DEA_ERR_SOLVER, {"no operating point at t = 0", NULL, NULL}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nR1 p 0 {foo*2}\n", DEA_ERR_INPUT, {":4: ", "Undefined parameter [foo]", NULL}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct samples *samples = new_samples();
+        struct dea_error error;
+        struct scene scene = {cases[i].netlist, plain_port, {.stop = 1e-3}, 0.0};
+        enum dea_status status = run(&scene, samples, NULL, NULL, &error);
+        for (int k = 0; k < 3 && cases[i].says[k] != NULL; k++)
+            if (status != cases[i].status || strstr(error.text, cases[i].says[k]) == NULL)
+                fail_msg("case %zu: expected \"%s\", got %d \"%s\"\n%s", i, cases[i].says[k], status, error.text,
+                         samples->messages);
+        free(samples);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fixed_capacitor_follows_the_exact_solution),
+        cmocka_unit_test(test_electrode_resistance_is_in_series),
+        cmocka_unit_test(test_moving_capacitor_keeps_its_charge),
+        cmocka_unit_test(test_leakage_follows_its_law),
+        cmocka_unit_test(test_breakpoint_and_left_limit),
+        cmocka_unit_test(test_steps_can_be_shortened),
+        cmocka_unit_test(test_redone_steps_lose_nothing),
+        cmocka_unit_test(test_stop_is_exact_and_measures_survive),
+        cmocka_unit_test(test_uic_starts_from_the_given_charge),
+        cmocka_unit_test(test_failures_are_explained), /* last: some end with ngspice asking to exit */
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
