@@ -8,6 +8,7 @@ int cli_check(int argc, char **argv);
 int cli_test(int argc, char **argv);
 int cli_static(int argc, char **argv);
 int cli_map(int argc, char **argv);
+int cli_optimum(int argc, char **argv);
 int cli_plot(int argc, char **argv);
 
 #endif

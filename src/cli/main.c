@@ -14,6 +14,7 @@ static const struct {
     {"test", "run scenes and judge their `expect`", cli_test},
     {"static", "equilibrium of a device at voltages or fields, and its first failure", cli_static},
     {"map", "design map over two parameters: CSV and PNG", cli_map},
+    {"optimum", "the design that moves its platform farthest", cli_optimum},
     {"plot", "draw a run's result.csv as result.png", cli_plot},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

@@ -1,0 +1,241 @@
+/* deasim optimum: the design that moves its platform farthest. */
+#include "cli/cli.h"
+#include "cli/design_options.h"
+#include "cli/optimum_print.h"
+#include "cli/options.h"
+#include "cli/range.h"
+
+#include "deasim/quantity.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    OPTION_FREE = 256,
+    OPTION_PURE_SHEAR,
+    OPTION_BOTH_WAYS,
+    OPTION_TENSION,
+    OPTION_COMPARE,
+    OPTION_OVER,
+    OPTION_JSON
+};
+
+static const char usage[] =
+    "usage: deasim optimum [DEVICE] [--free PARAMETERS] [options]\n"
+    "\n"
+    "Finds the design with the largest displacement relative to the length of both membranes, before its first\n"
+    "failure. Starts from the device file DEVICE, or from the paper's design (Sylgard 186, t0 25 um, lp2 2, r_a 0.5).\n"
+    "\n"
+    "      --free LIST        what may be chosen: any of r_a, lp1, lp2, t0, with a range if wanted, for example\n"
+    "                         r_a,lp1=0.9:1.2; \"none\" evaluates the given design. Default: r_a,lp1\n"
+    "      --set P=VALUE      r_a, lp1, lp2, E_bd, Jm, mu, eps_r or t0; may be repeated\n"
+    "      --pure-shear       lp1 = 1, not free: one dimension is kept while prestretching\n"
+    "      --both-ways        electrodes on both membranes, driven in turn; the whole stroke counts\n"
+    "      --dead-load        a constant force instead of the passive membrane\n"
+    "      --min-tension S    stress along the motion that must be left, for example 50 kPa\n"
+    "      --max-voltage V    the supply ends there (with t0 free: the thickest film it can drive to the end)\n"
+    "      --over P=A:B:N     repeats everything over a parameter, one line each\n"
+    "      --compare          adds the dead load and the bidirectional device, each at its own optimum\n"
+    "      --json             one JSON object, SI units\n"
+    "  -h, --help             this text\n"
+    "\n"
+    "examples: deasim optimum --compare\n"
+    "          deasim optimum --free lp1,lp2 --over Jm=5:30:6\n";
+
+struct optimum_options {
+    struct cli_design_options design;
+    struct dea_optimum_task task;
+    const char *free_list, *over;
+    bool pure_shear, compare, json, help;
+    double least_tension;
+};
+
+/* One entry of --free: "lp1" or "lp1=0.9:1.2". */
+static enum dea_status free_key(char *entry, struct dea_optimum_task *task, struct dea_error *error) {
+    char *equals = strchr(entry, '=');
+    enum dea_design_key key;
+    if (equals != NULL)
+        *equals = '\0';
+    DEA_TRY(cli_find_design_key("--free", entry, &key, error));
+    task->keys[key].free = true;
+    if (equals == NULL)
+        return DEA_OK;
+    char text[200], label[64];
+    struct dea_range range;
+    if (strchr(equals + 1, ':') == NULL || strchr(equals + 1, ':') != strrchr(equals + 1, ':'))
+        return dea_fail(error, DEA_ERR_INPUT, "--free %s=%s: write %s=FIRST:LAST", entry, equals + 1, entry);
+    snprintf(text, sizeof text, "%s:2", equals + 1);
+    snprintf(label, sizeof label, "--free %s", entry);
+    DEA_TRY(dea_range_parse(label, text, dea_design_keys[key].si_unit, &range, error));
+    task->keys[key].ranged = true;
+    task->keys[key].low = range.first;
+    task->keys[key].high = range.last;
+    return DEA_OK;
+}
+
+static enum dea_status parse_free(const char *list, struct dea_optimum_task *task, struct dea_error *error) {
+    char copy[512];
+    if (strcmp(list, "none") == 0)
+        return DEA_OK;
+    if (snprintf(copy, sizeof copy, "%s", list) >= (int)sizeof copy)
+        return dea_fail(error, DEA_ERR_INPUT, "--free: the list is too long");
+    char *rest = copy;
+    for (char *entry; (entry = strsep(&rest, ",")) != NULL;)
+        DEA_TRY(free_key(entry, task, error));
+    return DEA_OK;
+}
+
+static enum dea_status parse_tension(const char *text, double *tension, struct dea_error *error) {
+    struct dea_error inner;
+    if (dea_quantity_parse(text, "Pa", tension, &inner) != DEA_OK)
+        return dea_fail(error, DEA_ERR_INPUT, "--min-tension: %s", inner.text);
+    if (!(*tension >= 0.0))
+        return dea_fail(error, DEA_ERR_INPUT, "--min-tension %s: must not be negative", text);
+    return DEA_OK;
+}
+
+static enum dea_status parse_option(int letter, struct optimum_options *options, struct dea_error *error) {
+    switch (letter) {
+    case OPTION_FREE:
+        options->free_list = optarg;
+        return DEA_OK;
+    case OPTION_PURE_SHEAR:
+        options->pure_shear = true;
+        return DEA_OK;
+    case OPTION_BOTH_WAYS:
+        options->task.both_ways = true;
+        return DEA_OK;
+    case OPTION_TENSION:
+        return parse_tension(optarg, &options->least_tension, error);
+    case OPTION_COMPARE:
+        options->compare = true;
+        return DEA_OK;
+    case OPTION_OVER:
+        options->over = optarg;
+        return DEA_OK;
+    case OPTION_JSON:
+        options->json = true;
+        return DEA_OK;
+    case 'h':
+        options->help = true;
+        return DEA_OK;
+    default:
+        return cli_parse_design_option(letter, &options->design, error);
+    }
+}
+
+static enum dea_status finish_options(int argc, char **argv, struct optimum_options *options, struct dea_error *error) {
+    struct dea_optimum_task *task = &options->task;
+    DEA_TRY(cli_finish_design(argc, argv, &options->design, &task->base, error));
+    task->base.least_tension = options->least_tension;
+    const char *usual = task->base.dead_load ? "lp1" : task->both_ways ? "lp1" : "r_a,lp1";
+    DEA_TRY(parse_free(options->free_list != NULL ? options->free_list : usual, task, error));
+    if (options->pure_shear) {
+        if (options->free_list != NULL && task->keys[DEA_KEY_PRESTRETCH1].free)
+            return dea_fail(error, DEA_ERR_INPUT, "with --pure-shear lp1 is 1 and cannot be free");
+        task->keys[DEA_KEY_PRESTRETCH1].free = false;
+        task->base.prestretch[0] = 1.0;
+    }
+    if (options->over != NULL && options->compare)
+        return dea_fail(error, DEA_ERR_INPUT, "give either --over or --compare");
+    return DEA_OK;
+}
+
+static enum dea_status parse_options(int argc, char **argv, struct optimum_options *options, struct dea_error *error) {
+    static const struct option known[] = {CLI_DESIGN_LONG_OPTIONS,
+                                          {"free", required_argument, NULL, OPTION_FREE},
+                                          {"pure-shear", no_argument, NULL, OPTION_PURE_SHEAR},
+                                          {"both-ways", no_argument, NULL, OPTION_BOTH_WAYS},
+                                          {"min-tension", required_argument, NULL, OPTION_TENSION},
+                                          {"compare", no_argument, NULL, OPTION_COMPARE},
+                                          {"over", required_argument, NULL, OPTION_OVER},
+                                          {"json", no_argument, NULL, OPTION_JSON},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {NULL, 0, NULL, 0}};
+    optind = 1;
+    opterr = 0;
+    for (int letter; !options->help && (letter = getopt_long(argc, argv, ":h", known, NULL)) != -1;) {
+        if (letter == ':' || letter == '?')
+            return dea_fail(error, DEA_ERR_INPUT, "%s %s, see deasim optimum --help",
+                            letter == ':' ? "a value is missing after" : "unknown option", argv[optind - 1]);
+        DEA_TRY(parse_option(letter, options, error));
+    }
+    return options->help ? DEA_OK : finish_options(argc, argv, options, error);
+}
+
+/* ---- answers ---- */
+
+static enum dea_status answer_over(const struct optimum_options *options, struct dea_error *error) {
+    const char *equals = strchr(options->over, '=');
+    char name[32];
+    if (equals == NULL || (size_t)(equals - options->over) >= sizeof name)
+        return dea_fail(error, DEA_ERR_INPUT, "--over %s: write PARAMETER=FIRST:LAST:POINTS, for example Jm=5:30:6",
+                        options->over);
+    snprintf(name, sizeof name, "%.*s", (int)(equals - options->over), options->over);
+    struct optimum_sweep sweep;
+    DEA_TRY(cli_find_design_key("--over", name, &sweep.key, error));
+    if (options->task.keys[sweep.key].free)
+        return dea_fail(error, DEA_ERR_INPUT, "--over %s: it cannot be free as well", name);
+    char label[64];
+    snprintf(label, sizeof label, "--over %s", name);
+    DEA_TRY(dea_range_parse(label, equals + 1, dea_design_keys[sweep.key].si_unit, &sweep.range, error));
+    sweep.optima = calloc((size_t)sweep.range.count, sizeof *sweep.optima);
+    if (sweep.optima == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d designs", sweep.range.count);
+    enum dea_status status = DEA_OK;
+    struct dea_optimum_task task = options->task;
+    for (int i = 0; i < sweep.range.count && status == DEA_OK; i++) {
+        status = dea_design_set(&task.base, sweep.key, dea_range_value(&sweep.range, i), error);
+        if (status == DEA_OK)
+            status = dea_optimum_find(&task, &sweep.optima[i], error);
+    }
+    if (status == DEA_OK && options->json)
+        status = optimum_print_sweep_json(&sweep, error);
+    else if (status == DEA_OK)
+        optimum_print_sweep(&options->task, &sweep);
+    free(sweep.optima);
+    return status;
+}
+
+/* The same films under a dead load and driven both ways (r_a 0.5), each with its own best lp1 and, if free, lp2. */
+static enum dea_status compare(const struct dea_optimum_task *task, struct optimum_comparison *comparison,
+                               struct dea_error *error) {
+    struct dea_optimum_task other = *task;
+    other.keys[DEA_KEY_ACTIVE_RATIO].free = false;
+    other.both_ways = false;
+    other.base.dead_load = true;
+    DEA_TRY(dea_optimum_find(&other, &comparison->dead_load, error));
+    other.base.dead_load = false;
+    other.both_ways = true;
+    other.base.active_ratio = 0.5;
+    DEA_TRY(dea_optimum_find(&other, &comparison->both_ways, error));
+    return DEA_OK;
+}
+
+static enum dea_status answer_one(const struct optimum_options *options, struct dea_error *error) {
+    struct dea_optimum optimum;
+    struct optimum_comparison comparison;
+    if (options->compare && (options->task.base.dead_load || options->task.both_ways))
+        return dea_fail(error, DEA_ERR_INPUT, "--compare starts from the one-way device with a passive membrane");
+    DEA_TRY(dea_optimum_find(&options->task, &optimum, error));
+    if (options->compare)
+        DEA_TRY(compare(&options->task, &comparison, error));
+    if (options->json)
+        return optimum_print_json(&optimum, options->compare ? &comparison : NULL, error);
+    optimum_print(&options->task, &optimum, options->compare ? &comparison : NULL);
+    return DEA_OK;
+}
+
+int cli_optimum(int argc, char **argv) {
+    struct optimum_options options = {0};
+    struct dea_error error = {0};
+    enum dea_status status = parse_options(argc, argv, &options, &error);
+    if (status == DEA_OK && options.help)
+        fputs(usage, stdout);
+    else if (status == DEA_OK)
+        status = options.over != NULL ? answer_over(&options, &error) : answer_one(&options, &error);
+    return status == DEA_OK ? 0 : cli_report("optimum", &error);
+}
