@@ -90,13 +90,17 @@ struct dea_outlook {
     double fast, settling;    /* m, s; fast is 0 where there is none */
     double lam[DEA_ZONES][4]; /* of zones that are slack; taut zones follow x */
     bool slack[DEA_ZONES];
-    double softness[DEA_ZONES];                       /* d(C)/d(V^2) over the coming step, F/V^2 */
+    double soft_gain[DEA_ZONES];     /* (1/2)(dC/dx)^2 of a taut zone; d(C)/d(V^2) itself of a slack one */
+    double stiffness, damping, mass; /* of the platform at given voltages: N/m, N s/m, kg */
     double charge[DEA_ZONES], charge_rate[DEA_ZONES]; /* C, A, at start */
     double capacitance[DEA_ZONES];                    /* F, at start */
 };
 
 /* Looks ahead over a step of about `horizon` (s). DEA_RECOVERABLE outside the model. */
 enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *outlook);
+
+/* How much a film's capacitance gives way to its own voltage within a time h (s): d(C)/d(V^2), F/V^2. */
+double dea_outlook_softness(const struct dea_outlook *outlook, int zone, double h);
 
 /* Position (m) and stretch of a zone at time t by an outlook. */
 double dea_outlook_position(const struct dea_outlook *outlook, double t);

@@ -52,10 +52,10 @@ struct dea_netlist_measure {
 struct dea_result {
     enum dea_status
         status; /* DEA_OK done, DEA_STOPPED by an event, negative failed; files and numbers are valid up to t_end */
-    char reason[2048];                /* why it ended early or failed; empty when done */
-    double t_end;                     /* s */
-    struct dea_signal *signals; /* owned, signal_count entries */
-    struct dea_signal_stats *stats;   /* owned, same order */
+    char reason[2048];              /* why it ended early or failed; empty when done */
+    double t_end;                   /* s */
+    struct dea_signal *signals;     /* owned, signal_count entries */
+    struct dea_signal_stats *stats; /* owned, same order */
     size_t signal_count;
     struct dea_event *events;          /* owned, in time order */
     size_t event_count, event_dropped; /* dropped: beyond the list's limit, only counted */

@@ -16,6 +16,7 @@ static const struct {
     {"map", "design map over two parameters: CSV and PNG", cli_map},
     {"optimum", "the design that moves its platform farthest", cli_optimum},
     {"plot", "draw a run's result.csv as result.png", cli_plot},
+    {"export", "write a scene as a deck for plain ngspice", cli_export},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OPTION_ACCURACY = 256, OPTION_SET, OPTION_JSON };
+enum { OPTION_ACCURACY = 256, OPTION_SET, OPTION_JSON, OPTION_TRUST, OPTION_ENGINE, OPTION_TIME_LIMIT };
 
 static const struct option long_options[] = {
     {"output", required_argument, NULL, 'o'},
@@ -17,6 +17,9 @@ static const struct option long_options[] = {
     {"json", no_argument, NULL, OPTION_JSON},
     {"quiet", no_argument, NULL, 'q'},
     {"verbose", no_argument, NULL, 'v'},
+    {"trust-netlist", no_argument, NULL, OPTION_TRUST},
+    {"engine", required_argument, NULL, OPTION_ENGINE},
+    {"time-limit", required_argument, NULL, OPTION_TIME_LIMIT},
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
@@ -54,6 +57,26 @@ static enum dea_status parse_accuracy(const char *text, double *accuracy) {
     return DEA_OK;
 }
 
+static enum dea_status parse_engine(const char *text, enum dea_engine_choice *engine) {
+    static const char *const names[] = {"auto", "ngspice", "native"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *engine = (enum dea_engine_choice)i;
+            return DEA_OK;
+        }
+    }
+    fprintf(stderr, "deasim: --engine %s: auto, ngspice or native is allowed\n", text);
+    return DEA_ERR_INPUT;
+}
+
+static enum dea_status parse_time_limit(const char *text, double *limit) {
+    struct dea_error error;
+    if (dea_quantity_parse(text, "s", limit, &error) == DEA_OK && *limit > 0.0)
+        return DEA_OK;
+    fprintf(stderr, "deasim: --time-limit %s: a time above 0 is allowed, for example 10min\n", text);
+    return DEA_ERR_INPUT;
+}
+
 int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli_options *options) {
     memset(options, 0, sizeof *options);
     optind = 1;
@@ -68,6 +91,15 @@ int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli
             break;
         case OPTION_SET:
             status = cli_add_override(options, optarg);
+            break;
+        case OPTION_TRUST:
+            options->trust_netlist = true;
+            break;
+        case OPTION_ENGINE:
+            status = parse_engine(optarg, &options->engine);
+            break;
+        case OPTION_TIME_LIMIT:
+            status = parse_time_limit(optarg, &options->time_limit);
             break;
         case OPTION_JSON:
             options->json = true;

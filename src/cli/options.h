@@ -2,7 +2,7 @@
 #ifndef DEASIM_CLI_OPTIONS_H
 #define DEASIM_CLI_OPTIONS_H
 
-#include "deasim/scene.h"
+#include "deasim/run.h"
 
 #include <stdbool.h>
 
@@ -15,6 +15,9 @@ struct cli_options {
     char *override_texts[CLI_MAX_OVERRIDES]; /* owned copies the overrides point into */
     size_t override_count;
     bool json, quiet, verbose;
+    bool trust_netlist;            /* --trust-netlist */
+    enum dea_engine_choice engine; /* --engine */
+    double time_limit;             /* --time-limit, s; 0: none */
 };
 
 /* Parses the options of `run`, `check` and `test` with getopt_long; afterwards optind is the first scene. Returns -1 to

@@ -12,12 +12,16 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: deasim run SCENE [-o DIR] [--accuracy A] [--set key=value]... [--json] [--quiet] [--verbose]\n\n"
+    "usage: deasim run SCENE [-o DIR] [--accuracy A] [--set key=value]... [--json] [--quiet] [--verbose]\n"
+    "                  [--engine auto|ngspice|native] [--trust-netlist] [--time-limit T]\n\n"
     "Runs a scene and prints a summary.\n"
     "  -o, --output DIR   write result.csv, .raw, .h5 (as the scene's output.formats asks), summary.json and log.txt "
     "there\n"
     "  --accuracy A       promised relative error of the displacement and the port voltages, 1e-12 to 0.1\n"
     "  --set KEY=VALUE    override a value of the scene, for example --set transient.stop=\"10 ms\"\n"
+    "  --engine E         auto: as the scene needs; ngspice: co-simulate every netlist; native: refuse netlists\n"
+    "  --trust-netlist    let the netlist run commands and use files (.control, shell, write, ...)\n"
+    "  --time-limit T     give a netlist's run at most this wall-clock time\n"
     "  --json             print the summary as one JSON object\n"
     "  -q, --quiet        no progress bar, no warnings, no summary\n"
     "  -v, --verbose      also say which states the run has and other details\n"
@@ -72,7 +76,12 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
         return cli_report("run", &error);
     catch_signals();
     struct dea_result result;
-    struct dea_run_options run = {.directory = options->directory, .report = &report, .interrupt = &interrupted};
+    struct dea_run_options run = {.directory = options->directory,
+                                  .report = &report,
+                                  .interrupt = &interrupted,
+                                  .engine = options->engine,
+                                  .trust_netlist = options->trust_netlist,
+                                  .time_limit = options->time_limit};
     enum dea_status status = dea_run_scene(scene, &run, &result, &error);
     if (status < 0)
         cli_report("run", &error);

@@ -33,7 +33,10 @@ static int test_scene(const char *path, const struct cli_options *options) {
     int code = dea_exit_code(status);
     if (status == DEA_OK) {
         struct dea_report report = {.terminal = options->verbose ? stderr : NULL, .verbose = options->verbose};
-        struct dea_run_options run = {.report = &report};
+        struct dea_run_options run = {.report = &report,
+                                      .engine = options->engine,
+                                      .trust_netlist = options->trust_netlist,
+                                      .time_limit = options->time_limit};
         struct dea_result result;
         struct dea_error error;
         status = dea_run_scene(&scene, &run, &result, &error);

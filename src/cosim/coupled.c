@@ -49,7 +49,8 @@ static void tell_all(struct coupled *coupled, double t) {
         lam = fmin(fmax(lam, 0.2 * rest), 5.0 * rest);
         double c = dea_zone_capacitance(coupled->device, k, lam, NULL, NULL);
         /* C(t, V) = c0 + k V^2 passes through the outlook's own capacitance and voltage */
-        double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v, soft = outlook->softness[k];
+        double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v;
+        double soft = dea_outlook_softness(outlook, k, coupled->horizon);
         if (soft * v2 > MAX_SOFT_PART * c)
             soft = MAX_SOFT_PART * c / v2;
         coupled->c0[p] = c - soft * v2;
@@ -80,6 +81,8 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
 
 static enum dea_status look_ahead(struct coupled *coupled, double horizon, struct dea_error *error) {
     coupled->told_at = NAN;
+    coupled->horizon = horizon;
+    coupled->drift = 0.0;
     if (dea_plant_look_ahead(coupled->plant, horizon, &coupled->outlook) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the device left the model", dea_plant_time(coupled->plant));
     return DEA_OK;
@@ -161,6 +164,17 @@ static void book_work(struct coupled *coupled, int port, const struct window_poi
         0.5 * h * (before->voltage * (before->current - a->i) + after->voltage * (after->current - b->i));
 }
 
+/* The outlook took the charge to go on at its rate. Where it does not, the platform will be elsewhere: by how much, in
+ * capacitance. */
+static void note_drift(struct coupled *coupled, int port, double t, double charge, double voltage) {
+    const struct dea_outlook *outlook = &coupled->outlook;
+    int k = coupled->zones[port];
+    double ahead = t - outlook->start, c = charge != 0.0 ? charge / voltage : outlook->capacitance[k];
+    double expected = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c;
+    double change = dea_outlook_softness(outlook, k, ahead) * fabs(voltage * voltage - expected * expected);
+    coupled->drift = fmax(coupled->drift, change / outlook->capacitance[k]);
+}
+
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error) {
     for (int p = 0; p < coupled->port_count; p++) {
@@ -181,6 +195,7 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
             window->points[0].i = point.i;
         }
         observer_note_port(observer, index, k, to, lam, &values);
+        note_drift(coupled, p, to, values.charge, values.voltage);
         coupled->last[p] = values;
     }
     return DEA_OK;

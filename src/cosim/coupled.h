@@ -15,6 +15,8 @@ struct coupled {
     struct window windows[DEA_ZONES]; /* per port */
     struct dea_outlook outlook;       /* since the last exchange */
     double rest_stretch[DEA_ZONES];   /* bounds what a wild outlook may say */
+    double horizon;                   /* how long the outlook is meant to hold, s */
+    double drift; /* largest relative error of a told capacitance that charges off the outlook suggest */
     /* what the circuit is told at `told_at`, per port */
     double told_at;                     /* s */
     double c0[DEA_ZONES], k[DEA_ZONES]; /* F, F/V^2 */

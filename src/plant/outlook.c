@@ -55,27 +55,36 @@ static void look_at_platform(const struct dea_plant *plant, double horizon, stru
     }
 }
 
-/* Response of a film's capacitance to its own voltage within the horizon: (1/2) (dC/dx)^2 / (K + c/h + 2m/h^2) when
- * taut, its own natural stretch when slack. */
-static double soften(const struct dea_plant *plant, int k, double horizon) {
+/* What a film's capacitance makes of its own voltage: (1/2) (dC/dx)^2 over the platform's resistance to motion when
+ * taut; when slack, d(C)/d(V^2) by its own natural stretch, from dlam/dQ at fixed branches and Q = C V. */
+static double find_gain(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
     const struct dea_film *film = &plant->points[k].film;
-    double slope, curvature;
-    dea_zone_capacitance(device, k, film->lam, &slope, &curvature);
-    if (film->slack) {
-        /* dlam/d(V^2) from dlam/dQ at fixed branches: Q = C V */
-        double per_charge = film->dlam_de, c = film->capacitance, q = film->charge;
-        double charge_per_v2 = 0.5 * c * c / fmax(fabs(q), 1e-30) / fmax(1.0 - q / c * slope * per_charge, SOFTEST);
-        return slope * fabs(per_charge) * charge_per_v2;
+    double slope;
+    dea_zone_capacitance(device, k, film->lam, &slope, NULL);
+    if (!film->slack) {
+        double per_x = slope * device->prestretch[0] / device->zones[k].length;
+        return 0.5 * per_x * per_x;
     }
+    double c = film->capacitance, q = film->charge;
+    double charge_per_v2 = 0.5 * c * c / fmax(fabs(q), 1e-30) / fmax(1.0 - q / c * slope * film->dlam_de, SOFTEST);
+    return slope * fabs(film->dlam_de) * charge_per_v2;
+}
+
+static double stiffness_at_voltage(const struct dea_plant *plant) {
     double stiffness = -plant->force_x;
     for (int i = 0; i < DEA_ZONES; i++)
         if (plant->zones[i].present)
             stiffness += plant->points[i].film.stiffness;
-    stiffness = fmax(stiffness, SOFTEST * device->stiffness);
-    double per_x = slope * device->prestretch[0] / device->zones[k].length;
-    return 0.5 * per_x * per_x /
-           (stiffness + device->damping / horizon + 2.0 * device->effective_mass / (horizon * horizon));
+    return fmax(stiffness, SOFTEST * plant->device->stiffness);
+}
+
+double dea_outlook_softness(const struct dea_outlook *outlook, int zone, double h) {
+    if (outlook->slack[zone])
+        return outlook->soft_gain[zone];
+    if (h <= 0.0)
+        return outlook->damping > 0.0 || outlook->mass > 0.0 ? 0.0 : outlook->soft_gain[zone] / outlook->stiffness;
+    return outlook->soft_gain[zone] / (outlook->stiffness + outlook->damping / h + 2.0 * outlook->mass / (h * h));
 }
 
 enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *out) {
@@ -97,8 +106,11 @@ enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, st
         out->charge[k] = point->film.charge;
         out->charge_rate[k] = point->e_rate;
         out->capacitance[k] = point->film.capacitance;
-        out->softness[k] = plant->zones[k].kind == DEA_PORT_PASSIVE ? 0.0 : soften(plant, k, horizon);
+        out->soft_gain[k] = plant->zones[k].kind == DEA_PORT_PASSIVE ? 0.0 : find_gain(plant, k);
     }
+    out->stiffness = stiffness_at_voltage(plant);
+    out->damping = plant->device->damping;
+    out->mass = plant->device->effective_mass;
     return DEA_OK;
 }
 

@@ -1,0 +1,16 @@
+/* A scene as one deck for plain ngspice: the same physics as behavioural elements, for checking and comparing. */
+#ifndef DEASIM_EXPORT_H
+#define DEASIM_EXPORT_H
+
+#include "deasim/scene.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Writes the deck to `file`; it runs in `ngspice -b -r out.raw DECK` unchanged. Events and end stops' losses are left
+ * out and said so in the deck's comments. DEA_ERR_INPUT for a scene that plain ngspice cannot express (message says
+ * what). */
+enum dea_status dea_export_scene(const struct dea_scene *scene, bool trust_netlist, FILE *file,
+                                 struct dea_error *error);
+
+#endif

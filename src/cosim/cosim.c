@@ -1,0 +1,428 @@
+/* The coupling: at every accepted circuit point the film charges are taken in; when the outlook the circuit was given
+ * grows too old, the plants catch up and give a new one. The circuit's steps are only ever shortened, nothing is
+ * redone, charge is conserved by construction. The mismatch between the capacitance promised and the one that came true
+ * is the error estimate that sets how far an outlook may reach. */
+#include "cosim/cosim.h"
+
+#include "cosim/coupled.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* How the asked accuracy A is shared out. */
+#define PLANT_SHARE 0.3     /* of A, to the plants */
+#define COUPLING_SHARE 0.05 /* of A, to the mismatch of one exchange */
+#define FIT_SHARE 0.02      /* of A, to the charge fits */
+/* ngspice integrates at second order: its steps go as (reltol trtol)^(1/3) and its error as their square, so the
+ * product goes as A^1.5. reltol also ends Newton's iterations, trtol only judges truncation. Factors from the RC step
+ * at A = 1e-2 .. 1e-6. */
+#define NEWTON_SHARE 0.3
+#define TRUNCATION_FACTOR 20.0
+
+#define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
+#define MAX_REST_ROUNDS 50
+
+struct cosim {
+    const struct dea_scene *scene;
+    const struct dea_netlist *netlist;
+    const struct dea_run_options *options;
+    struct dea_channel *channel;
+    struct dea_engine *engine;
+    struct dea_deck deck;
+    struct dea_deck_options deck_options;
+    struct dea_circuit_device *circuit_devices; /* per scene device */
+    struct coupled *devices;                    /* per instance */
+    struct observed *observed;
+    int count;
+    struct observer *observer;
+    struct dea_result *result;
+    double stop;
+    /* start */
+    bool resting;          /* looking for the common operating point */
+    double *rest_voltages; /* DEA_ZONES per instance: film voltages the devices rest at */
+    double rest_change;    /* largest relative change of the last round */
+    /* exchange */
+    double horizon, exchanged_at, reached, slowest; /* s */
+    double worst_mismatch;
+    long exchanges;
+    enum dea_status status; /* kept from callbacks that cannot fail */
+    struct dea_error *error;
+};
+
+/* ---- what the scene asks for ---- */
+
+enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
+                                   struct dea_error *error) {
+    struct dea_netlist_device *devices = calloc((size_t)scene->device_count, sizeof *devices);
+    if (devices == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d devices", scene->device_count);
+    enum dea_status status = DEA_OK;
+    for (int d = 0; d < scene->device_count && status == DEA_OK; d++) {
+        int zones[DEA_ZONES];
+        devices[d].name = scene->devices[d].name;
+        devices[d].electrodes = coupled_order_ports(&scene->devices[d].device, zones);
+        if (devices[d].electrodes == 0)
+            status = dea_fail(error, DEA_ERR_INPUT, "%s: device %s has no electrode, so a netlist cannot drive it",
+                              scene->path, scene->devices[d].name);
+        for (int p = 0; p < devices[d].electrodes; p++)
+            devices[d].zone_names[p] = dea_zone_names[zones[p]];
+    }
+    struct dea_netlist_options options = {.trusted = trusted, .devices = devices, .device_count = scene->device_count};
+    if (status == DEA_OK)
+        status = dea_netlist_read(scene->netlist, &options, netlist, error);
+    free(devices);
+    return status;
+}
+
+enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
+                                  struct dea_error *error) {
+    *stop = scene->has_transient ? scene->stop : netlist->tran.stop;
+    if (*stop > 0.0)
+        return DEA_OK;
+    return dea_fail(error, DEA_ERR_INPUT,
+                    "%s: no end of the run: give transient.stop in the scene, or a .tran with plain numbers in %s",
+                    scene->path, scene->netlist);
+}
+
+static void describe_port(const struct dea_device *device, int k, struct dea_port *port) {
+    const struct dea_zone *zone = &device->zones[k];
+    const struct dea_dielectric *dielectric = &device->material.dielectric;
+    *port = (struct dea_port){
+        .rest_capacitance = zone->rest_capacitance,
+        .curvature = true,
+        .resistance = dea_zone_resistance(device, k, device->prestretch[0], NULL),
+        .resistance_external = zone->sheet_resistance > 0.0,
+        .conductivity = dielectric->conductivity,
+        .conductivity_field = dielectric->conductivity_field,
+        .leakage_area = device->width * zone->length / device->prestretch[0],
+        .leakage_thickness = device->thickness * device->prestretch[0],
+    };
+}
+
+/* Voltage the device is meant for: its breakdown field over the resting film; without one, where Maxwell stress meets
+ * the modulus. */
+static double expect_voltage(const struct dea_device *device) {
+    const struct dea_dielectric *dielectric = &device->material.dielectric;
+    if (!isinf(dielectric->breakdown))
+        return device->thickness *
+               dea_breakdown_field(dielectric, device->thickness, device->prestretch[0], device->prestretch[1]);
+    double permittivity = dielectric->permittivity + dielectric->permittivity_slope * device->prestretch[0];
+    return device->thickness *
+           sqrt(dea_law_modulus(&device->material.elastic) / (DEA_VACUUM_PERMITTIVITY * permittivity));
+}
+
+static double natural_time(const struct dea_device *device) {
+    if (device->effective_mass > 0.0)
+        return sqrt(device->effective_mass / device->stiffness);
+    return device->damping / device->stiffness;
+}
+
+static enum dea_status create_devices(struct cosim *run, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    run->count = run->netlist->instance_count;
+    size_t count = (size_t)run->count;
+    run->circuit_devices = calloc((size_t)scene->device_count, sizeof *run->circuit_devices);
+    run->devices = calloc(count, sizeof *run->devices);
+    run->observed = calloc(count, sizeof *run->observed);
+    run->rest_voltages = calloc(count * DEA_ZONES, sizeof *run->rest_voltages);
+    if (run->circuit_devices == NULL || run->devices == NULL || run->observed == NULL || run->rest_voltages == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu devices", count);
+    for (int d = 0; d < scene->device_count; d++) {
+        const struct dea_device *device = &scene->devices[d].device;
+        int zones[DEA_ZONES];
+        run->circuit_devices[d].name = scene->devices[d].name;
+        run->circuit_devices[d].port_count = coupled_order_ports(device, zones);
+        for (int p = 0; p < run->circuit_devices[d].port_count; p++)
+            describe_port(device, zones[p], &run->circuit_devices[d].ports[p]);
+    }
+    unsigned kinds = 0;
+    for (int kind = 0; kind < DEA_EVENT_COUNT; kind++)
+        if (scene->policies[kind] != DEA_POLICY_IGNORE)
+            kinds |= 1u << kind;
+    bool each_once = run->count == scene->device_count;
+    for (int i = 0; i < run->count; i++) {
+        const struct dea_netlist_instance *instance = &run->netlist->instances[i];
+        const struct dea_device *device = &scene->devices[instance->device].device;
+        DEA_TRY(coupled_create(&run->devices[i], device, PLANT_SHARE * scene->accuracy, expect_voltage(device), error));
+        DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
+        run->observed[i] = (struct observed){run->devices[i].plant, device,
+                                             run->count == 1 ? NULL
+                                             : each_once     ? scene->devices[instance->device].name
+                                                             : instance->path};
+        run->slowest = fmax(run->slowest, natural_time(device));
+        char states[1024];
+        dea_report_detail(run->options->report, "%s: states: %s", instance->path,
+                          dea_plant_describe(run->devices[i].plant, states, sizeof states));
+    }
+    return DEA_OK;
+}
+
+static void set_circuit_tolerances(struct cosim *run) {
+    double accuracy = run->scene->accuracy;
+    run->deck_options = (struct dea_deck_options){
+        .stop = run->stop,
+        .step = run->netlist->tran.step,
+        .max_step = run->netlist->tran.max_step,
+        .uic = run->netlist->tran.uic,
+        .reltol = fmin(1e-3, NEWTON_SHARE * accuracy),
+        .trtol = fmin(TRUNCATION_FACTOR * sqrt(accuracy), 7.0),
+    };
+}
+
+/* ---- exchange ---- */
+
+static void keep_failure(struct cosim *run, enum dea_status status) {
+    if (run->status == DEA_OK)
+        run->status = status;
+}
+
+static enum dea_status apply_policy(struct cosim *run, const struct exchange *exchange, double t) {
+    if (exchange->policy == DEA_POLICY_STOP)
+        return DEA_STOPPED;
+    if (exchange->policy == DEA_POLICY_SHORT) {
+        snprintf(run->result->reason, sizeof run->result->reason, "t = %.9g s: breakdown in zone %s", t,
+                 exchange->zone >= 0 ? dea_zone_names[exchange->zone] : "?");
+        return DEA_STOPPED;
+    }
+    return DEA_OK;
+}
+
+/* All plants catch up with the circuit; the mismatch sets how far the new outlooks reach. */
+static enum dea_status exchange_all(struct cosim *run) {
+    double tolerance = COUPLING_SHARE * run->scene->accuracy, mismatch = 0.0;
+    enum dea_status status = DEA_OK;
+    for (int i = 0; i < run->count; i++) {
+        struct exchange exchange;
+        const struct coupled *device = &run->devices[i];
+        double scale = device->device->zones[device->zones[0]].rest_capacitance * expect_voltage(device->device);
+        double fit = FIT_SHARE * run->scene->accuracy * scale * scale * natural_time(device->device);
+        DEA_TRY(coupled_exchange(&run->devices[i], i, run->horizon, fit, run->observer, &exchange, run->error));
+        mismatch = fmax(mismatch, exchange.mismatch);
+        enum dea_status wish = apply_policy(run, &exchange, dea_plant_time(device->plant));
+        if (wish != DEA_OK)
+            status = wish;
+    }
+    run->exchanges++;
+    run->worst_mismatch = fmax(run->worst_mismatch, mismatch);
+    double ratio = mismatch / tolerance, grow = ratio > 0.0 ? 0.9 * pow(ratio, -1.0 / 3.0) : 3.0;
+    run->horizon = fmin((run->reached - run->exchanged_at) * fmin(fmax(grow, 0.25), 3.0), run->stop / 20.0);
+    run->exchanged_at = run->reached;
+    if (run->horizon < MIN_HORIZON_RATIO * run->stop)
+        return dea_fail(
+            run->error, DEA_ERR_SOLVER,
+            "t = %.9g s: the coupling collapsed: exchanges %.3g s apart still differ by %.3g in capacitance",
+            run->reached, run->horizon, mismatch);
+    DEA_TRY(status);
+    return observer_write(run->observer, run->reached, run->error);
+}
+
+/* ---- callbacks of the engine ---- */
+
+static double answer(void *context, int instance, int port, enum dea_external which, double t) {
+    struct cosim *run = context;
+    return coupled_tell(&run->devices[instance], port, which, t);
+}
+
+/* The next step must not outrun the outlook: first refresh it, then shorten the step. */
+static void limit_step(void *context, double t, double *delta) {
+    struct cosim *run = context;
+    if (run->resting || run->status != DEA_OK)
+        return;
+    if (t + *delta > run->exchanged_at + run->horizon && t > run->exchanged_at && t <= run->reached)
+        keep_failure(run, exchange_all(run));
+    *delta = fmin(*delta, fmax(run->exchanged_at + run->horizon - t, 0.1 * run->horizon));
+}
+
+/* One round of the search for the operating point: how far are the film voltages from those the devices rest at? */
+static enum dea_status compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
+    run->rest_change = 0.0;
+    for (int i = 0; i < run->count; i++) {
+        for (int p = 0; p < run->devices[i].port_count; p++) {
+            double *kept = &run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
+            run->rest_change = fmax(run->rest_change, fabs(found - *kept) / fmax(fabs(found), 1.0));
+            *kept = found;
+        }
+    }
+    return DEA_OK;
+}
+
+static enum dea_status take_point(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
+    struct cosim *run = context;
+    if (run->resting) {
+        DEA_TRY(compare_rest(run, point));
+        if (run->rest_change > 1e-10)
+            return DEA_STOPPED;
+        run->resting = false;
+        DEA_TRY(observer_start(run->observer, error));
+        for (int i = 0; i < run->count; i++)
+            DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, &point->ports[i * DEA_ZONES], run->observer, error));
+        if (point->time <= 0.0)
+            return DEA_OK;
+    }
+    DEA_TRY(run->status);
+    for (int i = 0; i < run->count; i++)
+        DEA_TRY(coupled_take(&run->devices[i], i, run->reached, point->time, &point->ports[i * DEA_ZONES],
+                             run->observer, error));
+    run->reached = point->time;
+    for (int i = 0; i < run->count; i++) {
+        if (run->devices[i].drift >
+            COUPLING_SHARE * run->scene->accuracy) { /* the circuit went another way than foreseen */
+            DEA_TRY(exchange_all(run));
+            break;
+        }
+    }
+    if (run->channel != NULL) {
+        dea_channel_progress(run->channel, point->time);
+        if (dea_channel_stop_requested(run->channel))
+            return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted", point->time);
+    }
+    return DEA_OK;
+}
+
+static void pass_message(void *context, enum dea_message_kind kind, const char *text) {
+    struct cosim *run = context;
+    if (kind == DEA_MESSAGE_WARNING && !run->resting)
+        dea_report_warn(run->options->report, "%s", text);
+    else
+        dea_report_detail(run->options->report, "ngspice: %s", text);
+}
+
+/* ---- the run ---- */
+
+static enum dea_status rest_devices(struct cosim *run, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    for (int i = 0; i < run->count; i++)
+        DEA_TRY(coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start,
+                             scene->has_initial_x ? &scene->initial_x : NULL,
+                             scene->has_initial_v ? &scene->initial_v : NULL, error));
+    return DEA_OK;
+}
+
+/* Operating point and static equilibrium together: the circuit's film voltages and the devices' rest at them are
+ * iterated until they agree; the round that agrees runs on. */
+static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
+    struct dea_engine_callbacks callbacks = {.context = run,
+                                             .port_value = answer,
+                                             .before_step = limit_step,
+                                             .accepted = take_point,
+                                             .message = pass_message};
+    for (int round = 0; round < MAX_REST_ROUNDS; round++) {
+        DEA_TRY(rest_devices(run, error));
+        run->resting = true;
+        run->reached = run->exchanged_at = 0.0;
+        run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
+        DEA_TRY(dea_engine_load(run->engine, run->netlist, &run->deck, run->circuit_devices, &run->deck_options,
+                                &callbacks, error));
+        enum dea_status status = dea_engine_run(run->engine, error);
+        if (run->resting && status == DEA_STOPPED)
+            continue;
+        if (status == DEA_OK && run->status != DEA_OK)
+            return run->status;
+        return status;
+    }
+    return dea_fail(error, DEA_ERR_SOLVER,
+                    "the operating point of circuit and devices was not found in %d rounds: the film voltages still "
+                    "change by %.3g",
+                    MAX_REST_ROUNDS, run->rest_change);
+}
+
+static enum dea_status keep_measures(struct cosim *run, struct dea_error *error) {
+    int count = 0;
+    const struct dea_engine_measure *measures = dea_engine_measures(run->engine, &count);
+    if (count == 0)
+        return DEA_OK;
+    run->result->measures = calloc((size_t)count, sizeof *run->result->measures);
+    if (run->result->measures == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d measures", count);
+    run->result->measure_count = (size_t)count;
+    for (int i = 0; i < count; i++) {
+        struct dea_netlist_measure *kept = &run->result->measures[i];
+        snprintf(kept->name, sizeof kept->name, "%s", measures[i].name);
+        kept->value = measures[i].value;
+        kept->failed = measures[i].failed;
+    }
+    return DEA_OK;
+}
+
+/* The ports' side of the balance: losses outside the film, and the difference of the film work on both sides. */
+static void settle_books(struct cosim *run) {
+    struct dea_energy *energy = &run->result->energy;
+    double difference = 0.0;
+    for (int i = 0; i < run->count; i++) {
+        struct dea_energy plant;
+        if (dea_plant_energy(run->devices[i].plant, &plant, NULL) != DEA_OK)
+            continue;
+        difference += fabs(run->devices[i].film_work - plant.electrical);
+        double outside = run->devices[i].resistive + run->devices[i].leakage;
+        energy->resistive += run->devices[i].resistive;
+        energy->leakage += run->devices[i].leakage;
+        energy->dissipated += outside;
+        energy->electrical += run->devices[i].film_work - plant.electrical + outside;
+        energy->in += run->devices[i].film_work - plant.electrical + outside;
+        energy->exchanged += fabs(outside);
+    }
+    if (energy->exchanged > 0.0) {
+        energy->imbalance =
+            fmax(energy->imbalance, fabs(energy->in - energy->stored - energy->dissipated) / energy->exchanged);
+        run->result->coupling_error = difference / energy->exchanged;
+    }
+    struct dea_engine_stats stats;
+    dea_engine_stats(run->engine, &stats);
+    run->result->stats_run.circuit_points = stats.points;
+    run->result->stats_run.circuit_rejected = stats.rejected;
+    run->result->redone = stats.redone;
+}
+
+static void clear_run(struct cosim *run) {
+    dea_engine_close(run->engine);
+    dea_deck_clear(&run->deck);
+    for (int i = 0; run->devices != NULL && i < run->count; i++)
+        coupled_clear(&run->devices[i]);
+    free(run->circuit_devices);
+    free(run->devices);
+    free(run->observed);
+    free(run->rest_voltages);
+}
+
+enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
+                          const struct dea_run_options *options, const struct row_sink *sink,
+                          struct dea_channel *channel, struct dea_result *result, struct dea_error *error) {
+    struct cosim run = {
+        .scene = scene, .netlist = netlist, .options = options, .channel = channel, .result = result, .error = error};
+    snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "cosim");
+    enum dea_status status = cosim_choose_stop(scene, netlist, &run.stop, error);
+    if (status == DEA_OK)
+        status = create_devices(&run, error);
+    if (status == DEA_OK) {
+        set_circuit_tolerances(&run);
+        status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
+    }
+    if (status == DEA_OK)
+        status = dea_engine_open(&run.engine, error);
+    if (status == DEA_OK)
+        status = rest_devices(&run, error);
+    if (status == DEA_OK)
+        status = observer_open(scene, options, run.stop, run.observed, run.count, sink, result, &run.observer, error);
+    if (status == DEA_OK) {
+        dea_report_begin(options->report);
+        status = run_rounds(&run, error);
+        if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED || status == DEA_STOPPED) &&
+            run.reached > run.exchanged_at) {
+            enum dea_status last = exchange_all(&run);
+            if (status == DEA_OK)
+                status = last;
+        }
+        dea_report_end(options->report);
+        enum dea_status closed = observer_close(run.observer, run.exchanged_at, status < 0, status >= 0 ? error : NULL);
+        if (closed != DEA_OK && status >= 0)
+            status = closed;
+        settle_books(&run);
+        enum dea_status measured = keep_measures(&run, status >= 0 ? error : NULL);
+        if (measured != DEA_OK && status >= 0)
+            status = measured;
+    }
+    clear_run(&run);
+    return status;
+}

@@ -1,0 +1,22 @@
+/* Co-simulation: libngspice runs the circuit, IDA the devices; they exchange charge for capacitance. */
+#ifndef DEASIM_COSIM_COSIM_H
+#define DEASIM_COSIM_COSIM_H
+
+#include "base/isolate.h"
+#include "circuit/netlist.h"
+#include "cosim/observer.h"
+
+/* Reads and vets the scene's netlist. Pin names and counts follow the scene's devices. */
+enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
+                                   struct dea_error *error);
+
+/* End of the run: the scene's, or the netlist's .tran. */
+enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
+                                  struct dea_error *error);
+
+/* Runs the coupled scene in this process. `channel` (may be NULL) is told of progress and asked whether to stop. */
+enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
+                          const struct dea_run_options *options, const struct row_sink *sink,
+                          struct dea_channel *channel, struct dea_result *result, struct dea_error *error);
+
+#endif

@@ -1,0 +1,181 @@
+/* Parent and child of a coupled run: rows and the result travel through the channel. */
+#include "cosim/supervise.h"
+
+#include "cosim/cosim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SILENCE_LIMIT 300.0     /* s without any progress before the child counts as hung */
+#define CHECKPOINT_INTERVAL 0.5 /* s between two partial results, what is left after a crash */
+
+enum message { MESSAGE_OPEN = 1, MESSAGE_ROW, MESSAGE_RESULT };
+
+/* ---- the child ---- */
+
+struct child {
+    const struct dea_scene *scene;
+    const struct dea_netlist *netlist;
+    const struct dea_run_options *options;
+    FILE *terminal; /* the user's, while stderr goes to the log */
+    struct dea_channel *channel;
+    struct dea_result result;
+    double *row;    /* time and values */
+    double checked; /* s, clock of the last partial result */
+};
+
+static void put(char **at, const void *data, size_t size) {
+    if (size > 0)
+        memcpy(*at, data, size);
+    *at += size;
+}
+
+/* The result's plain fields, then its signals, stats, events and measures. */
+static enum dea_status send_result(struct child *child) {
+    const struct dea_result *r = &child->result;
+    size_t signals = r->signal_count * sizeof *r->signals, stats = r->signal_count * sizeof *r->stats;
+    size_t events = r->event_count * sizeof *r->events, measures = r->measure_count * sizeof *r->measures;
+    size_t size = sizeof *r + signals + stats + events + measures;
+    char *message = malloc(size), *at = message;
+    if (message == NULL)
+        return DEA_ERR_MEMORY;
+    put(&at, r, sizeof *r);
+    put(&at, r->signals, signals);
+    put(&at, r->stats, stats);
+    put(&at, r->events, events);
+    put(&at, r->measures, measures);
+    enum dea_status status = dea_channel_send(child->channel, MESSAGE_RESULT, message, size);
+    free(message);
+    return status;
+}
+
+static enum dea_status send_open(void *context, const struct dea_signal *signals, size_t count,
+                                 struct dea_error *error) {
+    struct child *child = context;
+    child->row = malloc((count + 1) * sizeof *child->row);
+    if (child->row == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu signals", count);
+    if (dea_channel_send(child->channel, MESSAGE_OPEN, signals, count * sizeof *signals) != DEA_OK)
+        return dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
+    return DEA_OK;
+}
+
+static enum dea_status send_row(void *context, double t, const double *values, size_t count, struct dea_error *error) {
+    struct child *child = context;
+    child->row[0] = t;
+    memcpy(child->row + 1, values, count * sizeof *values);
+    enum dea_status status =
+        dea_channel_send(child->channel, MESSAGE_ROW, child->row, (count + 1) * sizeof *child->row);
+    double now = dea_clock();
+    if (status == DEA_OK && now - child->checked > CHECKPOINT_INTERVAL) {
+        child->checked = now;
+        child->result.t_end = t;
+        status = send_result(child);
+    }
+    return status == DEA_OK ? DEA_OK : dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
+}
+
+static enum dea_status run_child(struct dea_channel *channel, void *context, struct dea_error *error) {
+    struct child *child = context;
+    child->channel = channel;
+    child->checked = dea_clock();
+    child->options->report->terminal = child->terminal;
+    struct row_sink sink = {.context = child, .open = send_open, .row = send_row};
+    enum dea_status status =
+        cosim_run(child->scene, child->netlist, child->options, &sink, channel, &child->result, error);
+    if (child->result.signal_count > 0 && send_result(child) != DEA_OK && status >= 0)
+        status = dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
+    dea_result_clear(&child->result);
+    free(child->row);
+    return status;
+}
+
+/* ---- the parent ---- */
+
+struct parent {
+    const struct row_sink *sink;
+    struct dea_result *result;
+};
+
+/* Next array of a message; NULL when it is empty or memory is short. */
+static void *take(const char **at, size_t count, size_t size, bool *good) {
+    if (count == 0)
+        return NULL;
+    void *copy = malloc(count * size);
+    if (copy == NULL) {
+        *good = false;
+        return NULL;
+    }
+    memcpy(copy, *at, count * size);
+    *at += count * size;
+    return copy;
+}
+
+static enum dea_status receive_result(struct dea_result *result, const char *data, size_t size,
+                                      struct dea_error *error) {
+    if (size < sizeof *result)
+        return dea_fail(error, DEA_ERR_INTERNAL, "a result message is too short");
+    dea_result_clear(result);
+    memcpy(result, data, sizeof *result);
+    const char *at = data + sizeof *result;
+    bool good = true;
+    result->signals = take(&at, result->signal_count, sizeof *result->signals, &good);
+    result->stats = take(&at, result->signal_count, sizeof *result->stats, &good);
+    result->events = take(&at, result->event_count, sizeof *result->events, &good);
+    result->measures = take(&at, result->measure_count, sizeof *result->measures, &good);
+    return good ? DEA_OK : dea_fail(error, DEA_ERR_MEMORY, "out of memory for the result");
+}
+
+static enum dea_status receive(void *context, uint32_t type, const void *data, size_t size, struct dea_error *error) {
+    struct parent *parent = context;
+    const double *row = data;
+    switch ((enum message)type) {
+    case MESSAGE_OPEN:
+        return parent->sink->open(parent->sink->context, data, size / sizeof(struct dea_signal), error);
+    case MESSAGE_ROW:
+        return parent->sink->row(parent->sink->context, row[0], row + 1, size / sizeof *row - 1, error);
+    case MESSAGE_RESULT:
+        return receive_result(parent->result, data, size, error);
+    }
+    return dea_fail(error, DEA_ERR_INTERNAL, "unknown message %u", (unsigned)type);
+}
+
+/* The user's terminal, kept while the child's stderr goes to the log. */
+static FILE *keep_terminal(const struct dea_report *report) {
+    if (report->terminal == NULL)
+        return NULL;
+    fflush(report->terminal);
+    int copy = dup(fileno(report->terminal));
+    FILE *terminal = copy >= 0 ? fdopen(copy, "w") : NULL;
+    if (terminal != NULL)
+        setvbuf(terminal, NULL, _IONBF, 0);
+    else if (copy >= 0)
+        close(copy);
+    return terminal;
+}
+
+enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_run_options *options,
+                               const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
+    struct dea_netlist netlist = {0};
+    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
+    if (status == DEA_OK) {
+        char log[4096] = "";
+        if (options->directory != NULL)
+            snprintf(log, sizeof log, "%s/log.txt", options->directory);
+        struct child child = {
+            .scene = scene, .netlist = &netlist, .options = options, .terminal = keep_terminal(options->report)};
+        struct parent parent = {.sink = sink, .result = result};
+        struct dea_isolate_limits limits = {.wall_s = options->time_limit,
+                                            .silence_s = SILENCE_LIMIT,
+                                            .log_path = log[0] != '\0' ? log : NULL,
+                                            .stop = options->interrupt};
+        fflush(NULL); /* the child must not write buffers twice */
+        status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
+        if (child.terminal != NULL)
+            fclose(child.terminal);
+    }
+    dea_netlist_clear(&netlist);
+    return status;
+}
