@@ -37,7 +37,7 @@ static enum dea_status choose_port(const struct dea_scene *scene, int k, struct 
     }
     if (source->amplified || port->resistance > 0.0 || zone->electrode_resistance > 0.0 || zone->sheet_resistance > 0.0)
         port->kind = DEA_PORT_SOURCE;
-    else if (scene->policies[DEA_EVENT_BREAKDOWN] == DEA_POLICY_SHORT)
+    else if (scene->policies[DEA_EVENT_BREAKDOWN] == DEA_POLICY_SHORT && port->peak > 0.0)
         return dea_fail(error, DEA_ERR_INPUT,
                         "%s: events.breakdown: short needs a resistance in drive.%s or its electrode: an ideal source "
                         "cannot feed a short",
@@ -89,13 +89,16 @@ static double next_corner(const struct native_run *run) {
 
 /* ---- the run ---- */
 
-static enum dea_status apply_policy(struct native_run *run, enum dea_policy policy, int zone, struct dea_error *error) {
+static enum dea_status apply_policy(struct native_run *run, enum dea_policy policy, struct dea_error *error) {
     if (policy == DEA_POLICY_STOP)
         return DEA_STOPPED;
     if (policy == DEA_POLICY_SHORT) {
-        dea_plant_short_film(run->plant, zone, 1.0 / SHORT_RESISTANCE);
+        for (int k = 0; k < DEA_ZONES; k++)
+            if (observer_short_zones(run->observer) & 1u << k)
+                dea_plant_short_film(run->plant, k, 1.0 / SHORT_RESISTANCE);
         observer_break(run->observer);
-        return dea_plant_restart(run->plant, &run->inputs, error);
+        DEA_TRY(dea_plant_restart(run->plant, &run->inputs, error));
+        return observer_resume(run->observer, 0, dea_plant_time(run->plant), error);
     }
     return DEA_OK;
 }
@@ -104,9 +107,7 @@ static enum dea_status apply_policy(struct native_run *run, enum dea_policy poli
 static enum dea_status integrate_piece(struct native_run *run, double corner, struct dea_error *error) {
     double shortest = 16.0 * DBL_EPSILON * corner; /* corners this close are one */
     while (corner - dea_plant_time(run->plant) > shortest) {
-        if (run->options->interrupt != NULL && *run->options->interrupt != 0)
-            return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted by %s", dea_plant_time(run->plant),
-                            *run->options->interrupt == SIGTERM ? "SIGTERM" : "SIGINT");
+        DEA_TRY(observer_check_interrupt(run->observer, dea_plant_time(run->plant), error));
         struct dea_step step;
         DEA_TRY(dea_plant_step(run->plant, corner, &step, error));
         DEA_TRY(observer_follow(run->observer, 0, step.from, step.to, error));
@@ -114,7 +115,7 @@ static enum dea_status integrate_piece(struct native_run *run, double corner, st
         if (step.root) {
             int zone;
             enum dea_policy policy = observer_roots(run->observer, 0, step.to, &zone);
-            DEA_TRY(apply_policy(run, policy, zone, error));
+            DEA_TRY(apply_policy(run, policy, error));
         }
     }
     return DEA_OK;
@@ -140,9 +141,10 @@ static enum dea_status turn_corner(struct native_run *run, double corner, struct
     set_inputs(run, corner);
     DEA_TRY(dea_plant_restart(run->plant, &run->inputs, error));
     observer_break(run->observer);
+    DEA_TRY(observer_resume(run->observer, 0, dea_plant_time(run->plant), error));
     int zone;
     enum dea_policy policy = observer_conditions(run->observer, 0, dea_plant_time(run->plant), &zone);
-    return apply_policy(run, policy, zone, error);
+    return apply_policy(run, policy, error);
 }
 
 static enum dea_status integrate(struct native_run *run, struct dea_error *error) {

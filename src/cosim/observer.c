@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_EVENTS 1000 /* kept in the list; the rest is counted */
+#define MAX_EVENTS 1000    /* kept in the list; the rest is counted */
+#define ROWS_AT_A_TIME 256 /* of one step, where nothing but the plant fills a row */
 
 /* The last two step ends of a signal, to find a peak between steps. */
 struct history {
@@ -47,6 +48,7 @@ struct observer {
     bool warned[DEA_EVENT_COUNT];
     /* while events are booked */
     int device, short_zone;
+    unsigned short_zones;
     double event_time;
     enum dea_policy wanted;
 };
@@ -270,7 +272,12 @@ static enum dea_status reserve_rows(struct observer *o, long sample, struct dea_
 
 enum dea_status observer_follow(struct observer *o, int device, double from, double to, struct dea_error *error) {
     (void)from;
+    bool alone = o->plant_count == 1 && o->scene->netlist == NULL;
     for (double t = (double)o->reached[device] * o->sample; t <= to; t = (double)o->reached[device] * o->sample) {
+        if (alone && o->reached[device] - o->next_sample >= ROWS_AT_A_TIME) { /* a step may hold millions of rows */
+            DEA_TRY(observer_write(o, (double)(o->reached[device] - 1) * o->sample, error));
+            DEA_TRY(observer_check_interrupt(o, t, error));
+        }
         DEA_TRY(reserve_rows(o, o->reached[device], error));
         double *row = o->pending + (size_t)(o->reached[device] - o->next_sample) * o->result->signal_count;
         DEA_TRY(dea_plant_signals(o->observed[device].plant, t, row + o->first[device], error));
@@ -320,6 +327,20 @@ enum dea_status observer_write(struct observer *o, double t, struct dea_error *e
 
 void observer_break(struct observer *o) {
     memset(o->history_length, 0, (size_t)o->plant_count * sizeof *o->history_length);
+}
+
+enum dea_status observer_resume(struct observer *o, int device, double t, struct dea_error *error) {
+    DEA_TRY(dea_plant_signals(o->observed[device].plant, t, o->values + o->first[device], error));
+    note_step_end(o, device, t);
+    return DEA_OK;
+}
+
+enum dea_status observer_check_interrupt(const struct observer *o, double t, struct dea_error *error) {
+    const volatile sig_atomic_t *interrupt = o->options->interrupt;
+    if (interrupt == NULL || *interrupt == 0)
+        return DEA_OK;
+    return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted by %s", t,
+                    *interrupt == SIGTERM ? "SIGTERM" : "SIGINT");
 }
 
 /* ---- ports of a circuit ---- */
@@ -379,8 +400,10 @@ static void book_event(void *context, enum dea_event_kind kind, int zone, bool c
         dea_report_warn(o->options->report, "t = %.6g s: %s%s%s", o->event_time, dea_event_names[kind],
                         zone >= 0 ? " in zone " : "", zone >= 0 ? dea_zone_names[zone] : "");
     o->warned[kind] = true;
-    if (policy == DEA_POLICY_SHORT)
+    if (policy == DEA_POLICY_SHORT) {
         o->short_zone = zone;
+        o->short_zones |= 1u << zone;
+    }
     if (policy == DEA_POLICY_STOP)
         snprintf(result->reason, sizeof result->reason, "t = %.9g s: %s%s%s", o->event_time, dea_event_names[kind],
                  zone >= 0 ? " in zone " : "", zone >= 0 ? dea_zone_names[zone] : "");
@@ -394,6 +417,7 @@ static void begin_booking(struct observer *o, int device, double t) {
     o->event_time = t;
     o->wanted = DEA_POLICY_IGNORE;
     o->short_zone = -1;
+    o->short_zones = 0;
 }
 
 enum dea_policy observer_roots(struct observer *o, int device, double t, int *zone) {
@@ -408,6 +432,10 @@ enum dea_policy observer_conditions(struct observer *o, int device, double t, in
     dea_plant_conditions(o->observed[device].plant, book_event, o);
     *zone = o->short_zone;
     return o->wanted;
+}
+
+unsigned observer_short_zones(const struct observer *o) {
+    return o->short_zones;
 }
 
 /* ---- closing ---- */

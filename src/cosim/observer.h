@@ -39,6 +39,12 @@ enum dea_status observer_write(struct observer *observer, double t, struct dea_e
 /* A jump of the inputs: extremes do not interpolate across it. */
 void observer_break(struct observer *observer);
 
+/* The state one plant starts from at t after such a jump; rows keep what was before it, extremes take in both. */
+enum dea_status observer_resume(struct observer *observer, int device, double t, struct dea_error *error);
+
+/* DEA_ERR_INTERRUPTED with a message when the run is to end. */
+enum dea_status observer_check_interrupt(const struct observer *observer, double t, struct dea_error *error);
+
 /* Electrical values of a port as the circuit has them; they replace the plant's own, whose charge may be smoothed. */
 struct port_values {
     double voltage, port_voltage; /* V */
@@ -59,6 +65,9 @@ enum dea_status observer_sample_port(struct observer *observer, int device, int 
  * policy asked for (DEA_POLICY_IGNORE: nothing to do); *zone is where for DEA_POLICY_SHORT. */
 enum dea_policy observer_roots(struct observer *observer, int device, double t, int *zone);
 enum dea_policy observer_conditions(struct observer *observer, int device, double t, int *zone);
+
+/* All zones (bit 1 << zone) that the last booking wants shorted; twins break down together. */
+unsigned observer_short_zones(const struct observer *observer);
 
 /* Last row at t (unless just written), energies and statistics of the plants gathered into the result. Frees the
  * observer; NULL is fine. `failed` tells that the plants' state at t may be outside the model and is not sampled. */
