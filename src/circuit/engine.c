@@ -316,9 +316,10 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
         snprintf(engine->measures[i].name, sizeof engine->measures[i].name, "%s", netlist->measures[i]);
         engine->measures[i].failed = true;
     }
+    ngCM_Input_Path(netlist->folder);
     int failed = ngSpice_Circ(deck->lines);
     if (failed || engine->complaints.count > 0 || engine->complaints.exit_requested)
-        return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", error);
+        return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", NULL, error);
     return DEA_OK;
 }
 
@@ -342,18 +343,20 @@ static enum dea_status judge_failure(const struct dea_engine *engine, struct dea
     if (engine->stats.points == 0) {
         if (complaints->singular[0] != '\0')
             snprintf(what, sizeof what,
-                     "no operating point at t = 0: node %s has no DC path to ground, or sources contradict each other "
-                     "there (help: "
-                     "a large resistor from it to ground, .options rshunt=1e12, or uic)",
+                     "no operating point at t = 0, singular at %s: a node without DC path to ground, or sources that "
+                     "contradict "
+                     "each other (help: a large resistor from it to ground, .options rshunt=1e12, or uic)",
                      complaints->singular);
         else
             snprintf(what, sizeof what, "no operating point at t = 0");
-        return dea_engine_complain(engine, DEA_ERR_SOLVER, what, error);
+        return dea_engine_complain(engine, DEA_ERR_SOLVER, what, NULL, error);
     }
+    if (engine->stats.reached >= engine->options->stop)
+        return dea_engine_complain(engine, DEA_ERR_SOLVER, "the circuit reported errors during the run", NULL, error);
     dea_engine_describe_steps(engine, steps, sizeof steps);
-    snprintf(what, sizeof what, "the circuit gave up at t = %.9g s%s%s; %s", engine->stats.reached,
-             complaints->worst[0] != '\0' ? ", trouble with " : "", complaints->worst, steps);
-    return dea_engine_complain(engine, DEA_ERR_SOLVER, what, error);
+    snprintf(what, sizeof what, "the circuit gave up at t = %.9g s%s%s", engine->stats.reached,
+             complaints->worst[0] != '\0' ? ", trouble with " : "", complaints->worst);
+    return dea_engine_complain(engine, DEA_ERR_SOLVER, what, steps, error);
 }
 
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error) {

@@ -5,9 +5,10 @@
 #include "circuit/deck_internal.h"
 #include "circuit/engine.h"
 
+#define XSPICE /* Debian builds the library with code models; the header hides their functions otherwise */
 #include <ngspice/sharedspice.h>
 
-#define DEA_STEPS_KEPT 16    /* for the diagnosis of a collapse */
+#define DEA_STEPS_KEPT 10    /* for the diagnosis of a collapse */
 #define DEA_COMPLAINTS_MAX 6 /* errors kept for the message */
 
 enum dea_step_verdict { DEA_STEP_ACCEPTED, DEA_STEP_REJECTED, DEA_STEP_REDONE };
@@ -93,9 +94,9 @@ void dea_engine_fill_samples(struct dea_engine *engine, const vecvaluesall *valu
 /* Takes one line of ngspice's output. */
 void dea_engine_hear(struct dea_engine *engine, const char *line);
 void dea_engine_clear_complaints(struct dea_engine *engine);
-/* Fails with the collected errors, "file:line: " in front where known. */
+/* Fails with `what`, the collected errors and `tail` (may be NULL), "file:line: " in front where known. */
 enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_status status, const char *what,
-                                    struct dea_error *error);
+                                    const char *tail, struct dea_error *error);
 /* Appends the last steps to a message. */
 void dea_engine_describe_steps(const struct dea_engine *engine, char *text, size_t size);
 

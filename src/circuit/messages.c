@@ -115,7 +115,8 @@ static bool is_error(const char *text) {
     for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
         if (begins(text, starts[i]))
             return true;
-    return false;
+    return begins(text, "Instance:") &&
+           strstr(text, "Message: cannot open") != NULL; /* a code model without its file */
 }
 
 /* The operating point is searched with several methods; only the last one's failure counts. */
@@ -218,9 +219,9 @@ void dea_engine_clear_complaints(struct dea_engine *engine) {
 }
 
 enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_status status, const char *what,
-                                    struct dea_error *error) {
+                                    const char *tail, struct dea_error *error) {
     const struct dea_complaints *complaints = &engine->complaints;
-    char text[1500];
+    char text[2000];
     size_t used = 0;
     if (complaints->place >= 0) {
         int line;
@@ -233,6 +234,8 @@ enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_st
         used += (size_t)snprintf(text + used, sizeof text - used, "%s", what);
     for (int i = 0; i < complaints->count && used < sizeof text; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i == 0 ? ": " : "; ", complaints->texts[i]);
+    if (tail != NULL && used < sizeof text)
+        snprintf(text + used, sizeof text - used, "; %s", tail);
     return dea_fail(error, status, "%s", text);
 }
 

@@ -128,7 +128,6 @@ enum dea_status dea_netlist_read(const char *path, const struct dea_netlist_opti
         status = dea_netlist_find(&job);
     if (status == DEA_OK)
         status = dea_netlist_find_devices(&job);
-    free(job.folder);
     return status;
 }
 
@@ -139,6 +138,7 @@ static void free_texts(char **texts, int count) {
 }
 
 void dea_netlist_clear(struct dea_netlist *netlist) {
+    free(netlist->folder);
     free_texts(netlist->files, netlist->file_count);
     free_texts(netlist->measures, netlist->measure_count);
     free_texts(netlist->warnings, netlist->warning_count);

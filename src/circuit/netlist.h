@@ -57,6 +57,7 @@ struct dea_netlist_tran {
 };
 
 struct dea_netlist {
+    char *folder; /* real path of the main file's folder, owned */
     char **files; /* owned; the main file first, as given, then includes */
     int file_count;
     struct dea_netlist_line *lines; /* owned; line 0 is the title */

@@ -10,7 +10,6 @@
 struct dea_netlist_job {
     const struct dea_netlist_options *options;
     struct dea_netlist *netlist;
-    char *folder; /* real path of the netlist's folder, owned */
     struct dea_error *error;
 };
 

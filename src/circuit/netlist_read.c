@@ -80,12 +80,12 @@ enum dea_status dea_netlist_resolve(struct dea_netlist_job *job, const char *nam
         snprintf(candidate, sizeof candidate, "%s/%s", dirname(from), name);
     *resolved = realpath(candidate, NULL);
     if (*resolved == NULL && name[0] != '/') {
-        snprintf(candidate, sizeof candidate, "%s/%s", job->folder, name);
+        snprintf(candidate, sizeof candidate, "%s/%s", job->netlist->folder, name);
         *resolved = realpath(candidate, NULL);
     }
     if (*resolved == NULL)
         return dea_fail(job->error, DEA_ERR_INPUT, "%s:%d: cannot open %s: %s", file, line, name, strerror(errno));
-    if (!job->options->trusted && !inside(*resolved, job->folder)) {
+    if (!job->options->trusted && !inside(*resolved, job->netlist->folder)) {
         free(*resolved);
         *resolved = NULL;
         return dea_fail(job->error, DEA_ERR_INPUT,
@@ -215,10 +215,10 @@ static enum dea_status continue_line(struct reader *reader, const struct scan *s
 /* A resolved path as the user would write it: relative like the main file where it lies beneath its folder. */
 static char *shorten(const struct dea_netlist_job *job, const char *resolved) {
     char *shown = NULL, *main_path = strdup(job->netlist->files[0]);
-    if (main_path != NULL && strchr(main_path, '/') == NULL && inside(resolved, job->folder))
-        shown = strdup(resolved + strlen(job->folder) + 1);
-    else if (main_path != NULL && inside(resolved, job->folder)) {
-        if (asprintf(&shown, "%s/%s", dirname(main_path), resolved + strlen(job->folder) + 1) < 0)
+    if (main_path != NULL && strchr(main_path, '/') == NULL && inside(resolved, job->netlist->folder))
+        shown = strdup(resolved + strlen(job->netlist->folder) + 1);
+    else if (main_path != NULL && inside(resolved, job->netlist->folder)) {
+        if (asprintf(&shown, "%s/%s", dirname(main_path), resolved + strlen(job->netlist->folder) + 1) < 0)
             shown = NULL;
     } else {
         shown = strdup(resolved);
@@ -411,9 +411,9 @@ enum dea_status dea_netlist_read_files(struct dea_netlist_job *job, const char *
     char *real = realpath(path, NULL);
     if (real == NULL)
         return dea_fail(job->error, DEA_ERR_INPUT, "%s: %s", path, strerror(errno));
-    job->folder = strdup(dirname(real));
+    job->netlist->folder = strdup(dirname(real));
     free(real);
-    if (job->folder == NULL)
+    if (job->netlist->folder == NULL)
         return out_of_memory(job);
     struct reader reader = {.job = job};
     struct source source = {.path = path};

@@ -100,13 +100,26 @@ static bool find_file_parameter(const char **cursor, const char **name, size_t *
     return false;
 }
 
-/* Replaces every file name by its resolved path: ngspice would look for it elsewhere. */
+/* The name ngspice will find the file by: relative to the netlist's folder (the engine tells it that one), because it
+ * reads names in lower case. NULL: it cannot. */
+static const char *nameable(const struct dea_netlist *netlist, const char *resolved) {
+    size_t length = strlen(netlist->folder);
+    const char *name = resolved;
+    if (strncmp(resolved, netlist->folder, length) == 0 && resolved[length] == '/')
+        name = resolved + length + 1;
+    for (const char *c = name; *c != '\0'; c++)
+        if (isupper((unsigned char)*c) || *c == '"')
+            return NULL;
+    return name;
+}
+
+/* Replaces every file name by the one ngspice will find it by. */
 static enum dea_status vet_file_parameters(struct dea_netlist_job *job, int index) {
     struct dea_netlist_line *line = &job->netlist->lines[index];
     const char *cursor = line->text, *name;
     size_t length;
     while (find_file_parameter(&cursor, &name, &length)) {
-        char wanted[1024], *resolved, *changed;
+        char wanted[1024], *resolved, *changed = NULL;
         if (length >= sizeof wanted)
             return dea_netlist_fail(job, index, "a file name of more than 1000 characters");
         memcpy(wanted, name, length);
@@ -114,15 +127,15 @@ static enum dea_status vet_file_parameters(struct dea_netlist_job *job, int inde
         int at;
         const char *file = dea_netlist_place(job->netlist, index, &at);
         DEA_TRY(dea_netlist_resolve(job, wanted, file, at, &resolved));
-        if (strchr(resolved, '"') != NULL) {
+        const char *found_as = nameable(job->netlist, resolved);
+        if (found_as == NULL) {
             free(resolved);
-            return dea_netlist_fail(job, index, "a file name with a quote in its path");
+            return dea_netlist_fail(job, index, "%s: ngspice reads file names in lower case; rename the file", wanted);
         }
         bool quoted = name > line->text && name[-1] == '"';
-        size_t before = (size_t)(name - line->text) - quoted;
-        int made = asprintf(&changed, "%.*s\"%s\"%s", (int)before, line->text, resolved,
+        size_t before = (size_t)(name - line->text) - quoted, resume = before + strlen(found_as) + 2;
+        int made = asprintf(&changed, "%.*s\"%s\"%s", (int)before, line->text, found_as,
                             name + length + (quoted && name[length] == '"'));
-        size_t resume = before + strlen(resolved) + 2;
         free(resolved);
         if (made < 0)
             return dea_fail(job->error, DEA_ERR_MEMORY, "out of memory reading the netlist");

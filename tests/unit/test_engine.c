@@ -204,7 +204,7 @@ static void test_fixed_capacitor_follows_the_exact_solution(void **state) {
     (void)state;
     struct samples *samples = new_samples();
     struct dea_error error;
-    struct dea_engine_measure measure;
+    struct dea_engine_measure measure = {.failed = true};
     struct scene scene = {"title\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n.measure tran peak max v(p)\n",
                           plain_port,
                           {.stop = 5e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
@@ -372,7 +372,7 @@ static void test_stop_is_exact_and_measures_survive(void **state) {
     (void)state;
     struct samples *samples = new_samples();
     struct dea_error error;
-    struct dea_engine_measure measure;
+    struct dea_engine_measure measure = {.failed = true};
     struct dea_engine_stats stats;
     samples->stop_after = 100;
     samples->stop_with = DEA_STOPPED;
@@ -431,7 +431,7 @@ static void test_failures_are_explained(void **state) {
         {"t\nV1 p 0 1\nXdea p 0 pos DEA\nB1 q 0 V=V(p)/(\n", DEA_ERR_INPUT, {":4: ", "syntax error", NULL}},
         {"t\nI1 0 p 1m\nC1 p 0 1n\nXdea p 0 pos DEA\n",
          DEA_ERR_SOLVER,
-         {"no operating point at t = 0", "node p has no DC path to ground", NULL}},
+         {"no operating point at t = 0", "singular at p: a node without DC path", NULL}},
         {"t\nV1 p 0 1\nV2 p 0 2\nXdea p 0 pos DEA\n", DEA_ERR_SOLVER, {"no operating point at t = 0", NULL, NULL}},
         {"t\nV1 p 0 1\nXdea p 0 pos DEA\nR1 p 0 {foo*2}\n", DEA_ERR_INPUT, {":4: ", "Undefined parameter [foo]", NULL}},
     };
@@ -448,6 +448,126 @@ static void test_failures_are_explained(void **state) {
     }
 }
 
+/* V(b) has no solution once V(p) is above its threshold. */
+static void test_collapse_is_diagnosed(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct scene scene = {"t\nV1 in 0 pulse(0 2 0 1u 1u 1 2)\nR1 in p 1k\nC1 p 0 1u\nB2 b 0 V=V(p)>1 ? (V(b)>0.5 ? 0 : "
+                          "1) : 0\nR2 b 0 1k\nXdea p 0 pos DEA\n",
+                          plain_port,
+                          {.stop = 10e-3},
+                          0.0};
+    assert_int_equal(run(&scene, samples, NULL, NULL, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "the circuit gave up at t = 0.0006"));
+    assert_non_null(strstr(error.text, "last steps (t, dt): "));
+    assert_non_null(strstr(error.text, "rejected by ngspice"));
+    assert_non_null(strstr(error.text, "Timestep too small"));
+    assert_non_null(strstr(error.text, "trouble with node \"b\""));
+    assert_true(samples->count > 10); /* what was computed has been delivered */
+    free(samples);
+}
+
+/* Every step converges, but the run would never end. */
+static void test_crawling_run_is_ended(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    samples->longest_request = 1e-15;
+    struct scene scene = {"t\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n", plain_port, {.stop = 10e-3}, 0.0};
+    assert_int_equal(run(&scene, samples, NULL, NULL, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "the run is not advancing past t = "));
+    assert_non_null(strstr(error.text, "accepted"));
+    free(samples);
+}
+
+/* The system's code models are there, and find files beside the netlist. */
+static void test_code_models_work(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine_measure measure = {.failed = true};
+    FILE *file = fopen("engine-wave.txt", "w");
+    assert_non_null(file);
+    fputs("0 0\n1e-3 500\n2e-3 500\n", file);
+    fclose(file);
+    struct scene scene = {
+        "t\nA1 %v([src]) wave\n.model wave filesource (file=\"engine-wave.txt\" amploffset=[0] amplscale=[1])\n"
+        "R1 src p 1k\nA2 p b gain3\n.model gain3 gain(gain=3)\nR2 b 0 1k\nXdea p 0 pos DEA\n"
+        ".measure tran top max par('v(b)/500')\n",
+        plain_port,
+        {.stop = 2e-3, .max_step = 1e-5},
+        0.0};
+    enum dea_status status = run(&scene, samples, &measure, NULL, &error);
+    unlink("engine-wave.txt");
+    if (status != DEA_OK)
+        fail_msg("%s\n%s", error.text, samples->messages);
+    assert_true(fabs(samples->voltage[samples->count - 1] - 500.0) < 0.1);
+    assert_false(measure.failed);
+    assert_true(fabs(measure.value - 3.0) < 1e-3);
+    free(samples);
+}
+
+static long resident_kilobytes(void) {
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
+    fclose(file);
+    return pages * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
+/* Different circuits one after the other in one process; ngspice's results do not pile up. */
+static void test_repeated_runs(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine *engine;
+    long after_warmup = 0;
+    assert_int_equal(dea_engine_open(&engine, &error), DEA_OK);
+    for (int i = 0; i < 300; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "t\nV1 in 0 %d\nR%d in p 1meg\n%s.measure tran peak max v(p)\nXdea p 0 pos DEA\n",
+                 i + 1, i, i % 2 == 0 ? "" : "R1x p 0 1meg\n");
+        struct scene scene = {text, plain_port, {.stop = 1e-3, .max_step = 1e-6}, 0.0};
+        struct dea_engine_measure measure = {.failed = true};
+        samples->count = 0;
+        if (run_with(engine, &scene, samples, &measure, NULL, &error) != DEA_OK)
+            fail_msg("run %d: %s", i, error.text);
+        double expected = i % 2 == 0 ? i + 1 : 0.5 * (i + 1);
+        assert_true(fabs(measure.value - expected) < 1e-4 * expected);
+        assert_true(samples->count > 900 && samples->count < 1500);
+        samples->messages[0] = '\0';
+        if (i == 50)
+            after_warmup = resident_kilobytes();
+    }
+    dea_engine_close(engine);
+    print_message("250 runs of 1000 points: %ld kB more\n", resident_kilobytes() - after_warmup);
+#ifndef __SANITIZE_ADDRESS__
+    assert_true(resident_kilobytes() - after_warmup < 4096); /* kept results alone would be 10 MB */
+#endif
+    free(samples);
+}
+
+static const char poison[] = "shell touch engine-poison\n";
+
+/* An init file in the current folder, which ngspice would run. */
+static int leave_poison(void **state) {
+    (void)state;
+    FILE *file = fopen(".spiceinit", "w");
+    if (file == NULL || fputs(poison, file) < 0)
+        return -1;
+    return fclose(file);
+}
+
+static int check_poison(void **state) {
+    (void)state;
+    unlink(".spiceinit");
+    bool ran = access("engine-poison", F_OK) == 0;
+    unlink("engine-poison");
+    return ran ? -1 : 0;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fixed_capacitor_follows_the_exact_solution),
@@ -459,7 +579,11 @@ int main(void) {
         cmocka_unit_test(test_redone_steps_lose_nothing),
         cmocka_unit_test(test_stop_is_exact_and_measures_survive),
         cmocka_unit_test(test_uic_starts_from_the_given_charge),
+        cmocka_unit_test(test_collapse_is_diagnosed),
+        cmocka_unit_test(test_crawling_run_is_ended),
+        cmocka_unit_test(test_code_models_work),
+        cmocka_unit_test(test_repeated_runs),
         cmocka_unit_test(test_failures_are_explained), /* last: some end with ngspice asking to exit */
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, leave_poison, check_poison);
 }

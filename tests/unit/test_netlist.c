@@ -181,16 +181,21 @@ static void test_includes_and_sections(void **state) {
     expect_refused("t\n.lib lib/parts.lib typical\n", NULL, "main.cir:2: ", "no section typical in lib/parts.lib");
 }
 
-static void test_model_files_become_absolute(void **state) {
+static void test_model_files_are_found(void **state) {
     (void)state;
     struct dea_netlist netlist;
-    write_file("Data.txt", "0 0\n", 4);
-    expect_good("t\n.model src filesource (file=\"Data.txt\" amploffset=[0])\nA1 %v([a]) src\n", NULL, &netlist);
-    const char *at = strstr(netlist.lines[1].text, "file=\"/");
-    assert_non_null(at);
-    assert_non_null(strstr(at, "/inner/Data.txt\" amploffset=[0])"));
+    assert_int_equal(mkdir("waves", 0700), 0);
+    write_file("waves/data.txt", "0 0\n", 4);
+    write_file("waves/Data.txt", "0 0\n", 4);
+    const char *part = ".model src filesource (file=\"data.txt\" amploffset=[0])\n";
+    write_file("waves/part.inc", part, strlen(part));
+    expect_good("t\n.include waves/part.inc\nA1 %v([a]) src\n.model s2 d_source(input_file = waves/data.txt)\n", NULL,
+                &netlist);
+    assert_string_equal(netlist.lines[1].text, ".model src filesource (file=\"waves/data.txt\" amploffset=[0])");
+    assert_string_equal(netlist.lines[3].text, ".model s2 d_source(input_file = \"waves/data.txt\")");
     assert_true(netlist.has_event_parts);
     dea_netlist_clear(&netlist);
+    expect_refused("t\n.model s2 d_source(input_file = waves/Data.txt)\n", NULL, "main.cir:2: ", "lower case");
 }
 
 /* ---- what is refused ---- */
@@ -353,7 +358,7 @@ int main(void) {
         TEST(test_cards_are_found),
         TEST(test_instances_are_flattened),
         TEST(test_includes_and_sections),
-        TEST(test_model_files_become_absolute),
+        TEST(test_model_files_are_found),
         TEST(test_bad_netlists),
         TEST(test_bad_device_calls),
         TEST(test_sizes_are_limited),
