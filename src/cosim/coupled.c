@@ -50,7 +50,10 @@ static void tell_all(struct coupled *coupled, double t) {
         double c = dea_zone_capacitance(coupled->device, k, lam, NULL, NULL);
         /* C(t, V) = c0 + k V^2 passes through the outlook's own capacitance and voltage */
         double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v;
-        double soft = dea_outlook_softness(outlook, k, coupled->horizon);
+        /* inertia keeps the platform from following its own voltage within a step; there the outlook alone is smoother
+         */
+        bool follows = outlook->mass <= 0.0 || outlook->slack[k];
+        double soft = follows ? dea_outlook_softness(outlook, k, coupled->horizon) : 0.0;
         if (soft * v2 > MAX_SOFT_PART * c)
             soft = MAX_SOFT_PART * c / v2;
         coupled->c0[p] = c - soft * v2;
@@ -151,12 +154,18 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
     return DEA_OK;
 }
 
-/* Work on the film, and losses in R_e and leakage, over one circuit step; Simpson with the cubic's middle. */
+/* Work on the film over one circuit step. With V = Q/C, int V dQ = [Q V / 2] + (1/2) int V^2 dC: the bracket is exact
+ * and C changes slowly, however fast the charge rings. At an exchange C jumps at constant charge, which is no work: the
+ * step starts from the voltage that the new capacitance gives. Losses in R_e and leakage by trapezoids. */
 static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b,
                       const struct port_values *before, const struct port_values *after) {
-    double h = b->t - a->t, rate, middle = 0.5 * (a->t + b->t), q = window_value(a, b, middle, &rate);
-    double v = film_voltage(coupled, port, middle, q, 0.5 * (before->voltage + after->voltage));
-    coupled->film_work += h / 6.0 * (before->voltage * a->i + 4.0 * v * rate + after->voltage * b->i);
+    double h = b->t - a->t, middle = 0.5 * (a->t + b->t);
+    double v0 = film_voltage(coupled, port, a->t, a->q, before->voltage);
+    double c0 = coupled->c0[port] + coupled->k[port] * v0 * v0;
+    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), 0.5 * (v0 + after->voltage));
+    double v1 = film_voltage(coupled, port, b->t, b->q, after->voltage);
+    double c1 = coupled->c0[port] + coupled->k[port] * v1 * v1;
+    coupled->film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
     double lost_before = (before->port_voltage - before->voltage) * before->current;
     double lost_after = (after->port_voltage - after->voltage) * after->current;
     coupled->resistive += 0.5 * h * (lost_before + lost_after);

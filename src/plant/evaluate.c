@@ -136,6 +136,15 @@ double plant_algebraic_rate(const struct dea_plant *plant, double t, const doubl
     return by_x != 0.0 ? -by_time / by_x : 0.0;
 }
 
+double plant_stretch_rate(const struct dea_plant *plant, int k, double rate_x) {
+    const struct zone_point *point = &plant->points[k];
+    double rate = point->film.dlam_dx * rate_x + point->film.dlam_de * point->e_rate;
+    for (int b = 0; b < plant->device->material.branch_count; b++)
+        for (int i = 0; i < 2; i++)
+            rate += point->film.dlam_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
+    return rate;
+}
+
 void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses) {
     const struct dea_device *device = plant->device;
     for (int i = 0; i < LOSS_COUNT; i++)
@@ -156,7 +165,11 @@ void plant_losses(const struct dea_plant *plant, double t, double x, double rate
         if (zone->kind == DEA_PORT_PASSIVE)
             continue;
         if (zone->kind == DEA_PORT_CHARGE) { /* leakage and R_e belong to the circuit */
-            losses[LOSS_WORK] += point->film.voltage * point->e_rate;
+            /* V dQ = d(Q V / 2) + V^2 dC / 2: slow, however fast a circuit makes the charge ring */
+            double slope;
+            dea_zone_capacitance(device, k, point->film.lam, &slope, NULL);
+            losses[LOSS_WORK] +=
+                0.5 * point->film.voltage * point->film.voltage * slope * plant_stretch_rate(plant, k, rate_x);
             continue;
         }
         double leaked = point->film.voltage * point->leak;

@@ -92,6 +92,7 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     for (int k = 0; k < DEA_ZONES; k++) {
         const struct dea_plant_port *port = &plant->options.ports[k];
         lay_out_zone(device, &plant->zones[k], k, port, &count);
+        plant->charge_driven = plant->charge_driven || plant->zones[k].kind == DEA_PORT_CHARGE;
         if (plant->zones[k].kind == DEA_PORT_SOURCE && port->resistance <= 0.0 &&
             device->zones[k].electrode_resistance <= 0.0 && device->zones[k].sheet_resistance <= 0.0)
             return dea_fail(

@@ -68,6 +68,7 @@ struct dea_plant {
     int x, v; /* v is ABSENT without mass */
     struct zone_layout zones[DEA_ZONES];
     int state_count;
+    bool charge_driven;                  /* some charge is imposed: its work needs the rate of the stretch */
     double *scale;                       /* SI per unit of each unknown */
     double short_conductance[DEA_ZONES]; /* S */
 
@@ -102,7 +103,7 @@ struct dea_plant {
 
     /* audit */
     double stored_at_start;     /* J */
-    double imposed_at_start[2]; /* J: sum of Q V of ideal ports; load times x */
+    double imposed_at_start[2]; /* J: electrical; load times x (plant_imposed_energy) */
     double jump_work[2];        /* J, booked at jumps: electrical, load */
     double start_x;             /* m */
     double moved;               /* J, sum over steps of |electrical work| + |load work| */
@@ -132,6 +133,8 @@ void plant_rates(const struct dea_plant *plant, double t, const double *y, doubl
 void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses);
 /* Velocity of the platform from the unknowns (m/s); `yp` serves the massless cases. */
 double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp);
+/* d(lam)/dt of a zone whose charge or voltage is imposed, 1/s. Uses the last evaluation, with derivatives. */
+double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x);
 /* dx/dt of a massless, undamped platform, from the derivative of the force balance. Uses the last evaluation. */
 double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);
 
@@ -159,7 +162,8 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
 /* signals.c */
 /* Energy stored in films, platform and stops, J. Uses the last evaluation. */
 enum dea_status plant_stored_energy(struct dea_plant *plant, const double *y, double *energy);
-/* [0] sum of Q V over ideal ports, [1] load times x (J): boundary terms of the imposed work. Uses the last evaluation.
+/* [0] sum of Q V over ideal ports and Q V / 2 over charge ports, [1] load times x (J): boundary terms of the imposed
+ * work. Uses the last evaluation.
  */
 void plant_imposed_energy(const struct dea_plant *plant, double t, double x, double imposed[2]);
 

@@ -24,8 +24,13 @@ int plant_quadrature(sunrealtype t, N_Vector y, N_Vector yp, N_Vector rates, voi
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
     double rate_x = plant_velocity(plant, u, up);
-    if (plant_evaluate(plant, t, u, rate_x, false) != DEA_OK)
+    if (plant_evaluate(plant, t, u, rate_x, plant->charge_driven) != DEA_OK)
         return 1;
+    if (plant->charge_driven && plant->motion == MOTION_ALGEBRAIC) {
+        double *state_rates = N_VGetArrayPointer(plant->rates);
+        plant_rates(plant, t, u, state_rates);
+        rate_x = plant_algebraic_rate(plant, t, state_rates);
+    }
     plant_losses(plant, t, u[plant->x] * plant->scale[plant->x], rate_x, N_VGetArrayPointer(rates));
     return 0;
 }

@@ -140,10 +140,7 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
         if (plant->zones[k].kind != DEA_PORT_IDEAL)
             continue;
         const struct dea_film *film = &point->film;
-        double lam_rate = film->dlam_dx * *velocity + film->dlam_de * point->e_rate;
-        for (int b = 0; b < plant->device->material.branch_count; b++)
-            for (int i = 0; i < 2; i++)
-                lam_rate += film->dlam_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
+        double lam_rate = plant_stretch_rate(plant, k, *velocity);
         point->charge_rate = film->dcharge_de * point->e_rate + film->dcharge_dlam * lam_rate;
     }
     return DEA_OK;
@@ -192,9 +189,13 @@ enum dea_status plant_stored_energy(struct dea_plant *plant, const double *y, do
 
 void plant_imposed_energy(const struct dea_plant *plant, double t, double x, double imposed[2]) {
     imposed[0] = 0.0;
-    for (int k = 0; k < DEA_ZONES; k++)
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct dea_film *film = &plant->points[k].film;
         if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_IDEAL)
-            imposed[0] += plant->points[k].film.charge * plant->points[k].film.voltage;
+            imposed[0] += film->charge * film->voltage;
+        else if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_CHARGE)
+            imposed[0] += 0.5 * film->charge * film->voltage;
+    }
     imposed[1] = dea_piece_value(&plant->inputs.load, t, NULL) * x;
 }
 
