@@ -19,6 +19,7 @@ struct dea_columns {
     double *values[2]; /* owned, SI */
     size_t count;      /* rows */
     int unit_index[2]; /* which of the wished units */
+    char names[2][64]; /* as in the header, cut when longer */
 };
 
 /* Looks at row i, the last one read; its message is put behind "file:line: ". */

@@ -116,10 +116,14 @@ static enum dea_status parse_column(const struct reader *reader, char *cell, con
         return dea_fail(error, DEA_ERR_INPUT, "%s:%ld: column '%.60s' has empty brackets; its unit is needed",
                         reader->path, reader->line, *name);
     snprintf(one_unit, sizeof one_unit, "1 %s", unit);
-    for (*unit_index = 1; *unit_index >= 0; --*unit_index)
-        if (wish->si_units[*unit_index] != NULL &&
-            dea_quantity_parse(one_unit, wish->si_units[*unit_index], scale, &cause) == DEA_OK)
+    for (*unit_index = 1; *unit_index >= 0; --*unit_index) {
+        const char *wanted = wish->si_units[*unit_index];
+        *scale = 1.0;
+        if (wanted != NULL && strcmp(wanted, "1") == 0 && strcmp(unit, "1") == 0) /* a number without dimension */
             return DEA_OK;
+        if (wanted != NULL && dea_quantity_parse(one_unit, wanted, scale, &cause) == DEA_OK)
+            return DEA_OK;
+    }
     return dea_fail(error, DEA_ERR_INPUT, "%s:%ld: column '%.60s': %s", reader->path, reader->line, *name, cause.text);
 }
 
@@ -143,6 +147,8 @@ static enum dea_status read_header(struct reader *reader, struct dea_columns *co
     for (int k = 0; k < 2; k++)
         DEA_TRY(parse_column(reader, cells[k], &reader->wishes[k], &names[k], &columns->unit_index[k],
                              &reader->scales[k], error));
+    for (int k = 0; k < 2; k++)
+        snprintf(columns->names[k], sizeof columns->names[k], "%s", names[k]);
     for (int k = 0; k < 2; k++)
         if (reader->wishes[k].named && strcasecmp(names[k], reader->wishes[k].word) != 0)
             return dea_fail(error, DEA_ERR_INPUT, "%s:%ld: the %s column is '%.60s'; it must be \"%s [unit]\"",

@@ -9,6 +9,7 @@ int cli_test(int argc, char **argv);
 int cli_static(int argc, char **argv);
 int cli_map(int argc, char **argv);
 int cli_optimum(int argc, char **argv);
+int cli_fit(int argc, char **argv);
 int cli_export(int argc, char **argv);
 int cli_plot(int argc, char **argv);
 

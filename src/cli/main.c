@@ -15,6 +15,7 @@ static const struct {
     {"static", "equilibrium of a device at voltages or fields, and its first failure", cli_static},
     {"map", "design map over two parameters: CSV and PNG", cli_map},
     {"optimum", "the design that moves its platform farthest", cli_optimum},
+    {"fit", "elastic law or branches from measured data, with confidence intervals", cli_fit},
     {"plot", "draw a run's result.csv as result.png", cli_plot},
     {"export", "write a scene as a deck for plain ngspice", cli_export},
 };
