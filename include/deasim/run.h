@@ -21,6 +21,11 @@ struct dea_run_options {
     double time_limit;  /* of a netlist's run, wall clock, s; 0: none */
 };
 
+/* Vets what can be vetted without running: that the devices can be run, and the netlist with its includes, device pins
+ * and end time. DEA_ERR_INPUT with the first mistake. */
+enum dea_status dea_check_scene(const struct dea_scene *scene, const struct dea_run_options *options,
+                                struct dea_error *error);
+
 /* Runs the scene and fills *result (the caller clears it, also after a failure). Returns the result's status: DEA_OK,
  * DEA_STOPPED, or a failure with its message in *error; files and *result then hold everything computed so far. */
 enum dea_status dea_run_scene(const struct dea_scene *scene, const struct dea_run_options *options,

@@ -6,28 +6,31 @@
 #include <getopt.h>
 #include <stdio.h>
 
-static const char usage[] = "usage: deasim check SCENE... [--set key=value]...\n\n"
+static const char usage[] = "usage: deasim check SCENE... [--set key=value]... [--engine E] [--trust-netlist]\n\n"
                             "Reads each scene with its device, material, waveform and netlist files, reports the first "
                             "mistake, runs nothing.\n";
 
+static void print_device(const char *path, const struct dea_scene_device *named) {
+    const struct dea_device *device = &named->device;
+    const struct dea_zone *zone = &device->zones[device->zones[0].present ? 0 : 1];
+    char stiffness[32], capacitance[32];
+    printf("%s: device %s, stiffness %s, rest capacitance %s\n", path, named->name,
+           dea_quantity_format(device->stiffness, "N/m", stiffness, sizeof stiffness),
+           dea_quantity_format(zone->rest_capacitance, "F", capacitance, sizeof capacitance));
+}
+
 static int check_scene(const char *path, const struct cli_options *options) {
     struct dea_scene scene;
+    struct dea_error error;
+    struct dea_run_options run = {.engine = options->engine, .trust_netlist = options->trust_netlist};
     enum dea_status status = cli_read_scene(path, options, &scene);
-    for (int d = 0; status == DEA_OK && d < scene.device_count; d++) {
-        const char *why;
-        const struct dea_device *device = &scene.devices[d].device;
-        if (dea_prestretch_fails(device, &why)) {
-            fprintf(stderr, "%s: device %s cannot be run: %s\n", path, scene.devices[d].name, why);
-            status = DEA_ERR_INPUT;
-        } else if (!options->quiet) {
-            char stiffness[32], capacitance[32];
-            printf("%s: device %s, stiffness %s, rest capacitance %s\n", path, scene.devices[d].name,
-                   dea_quantity_format(device->stiffness, "N/m", stiffness, sizeof stiffness),
-                   dea_quantity_format(device->zones[0].present ? device->zones[0].rest_capacitance
-                                                                : device->zones[1].rest_capacitance,
-                                       "F", capacitance, sizeof capacitance));
-        }
+    if (status == DEA_OK) {
+        status = dea_check_scene(&scene, &run, &error);
+        if (status != DEA_OK)
+            fprintf(stderr, "%s\n", error.text);
     }
+    for (int d = 0; status == DEA_OK && !options->quiet && d < scene.device_count; d++)
+        print_device(path, &scene.devices[d]);
     if (status == DEA_OK && !options->quiet)
         printf("%s: good\n", path);
     dea_scene_clear(&scene);

@@ -89,7 +89,8 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
         fprintf(report.log, "%s\n", error.text);
 
     /* whatever happened, say what was computed; a run that never began has nothing to say */
-    if (result.signal_count > 0) {
+    bool began = result.signal_count > 0 && result.stats[0].max >= result.stats[0].min;
+    if (began) {
         enum dea_status said =
             options->directory != NULL ? dea_summary_write(options->directory, scene, &result, &error) : DEA_OK;
         if (said == DEA_OK)

@@ -178,8 +178,6 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
         name_signals(o);
         status = choose_signals(o, error);
     }
-    if (status == DEA_OK)
-        status = o->sink.open(o->sink.context, o->written_signals, o->written_count, error);
     if (status != DEA_OK) {
         free_observer(o);
         return status;
@@ -238,6 +236,7 @@ static enum dea_status send_row(struct observer *o, double t, const double *valu
 }
 
 enum dea_status observer_start(struct observer *o, struct dea_error *error) {
+    DEA_TRY(o->sink.open(o->sink.context, o->written_signals, o->written_count, error));
     for (int d = 0; d < o->plant_count; d++) {
         DEA_TRY(dea_plant_signals(o->observed[d].plant, 0.0, o->values + o->first[d], error));
         note_step_end(o, d, 0.0);

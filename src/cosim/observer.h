@@ -27,7 +27,7 @@ enum dea_status observer_open(const struct dea_scene *scene, const struct dea_ru
                               const struct observed *observed, int count, const struct row_sink *sink,
                               struct dea_result *result, struct observer **observer, struct dea_error *error);
 
-/* First row, at the plants' start. */
+/* Opens the sink and sends the first row, at the plants' start: a run that never starts leaves no files. */
 enum dea_status observer_start(struct observer *observer, struct dea_error *error);
 
 /* After a step of one plant from `from` to `to`: its extremes, and its part of the rows in (from, to]. */

@@ -1,13 +1,22 @@
 /* Chooses how a scene is run and rounds off the result. */
 #include "deasim/run.h"
 
+#include "cosim/cosim.h"
 #include "cosim/native.h"
 #include "cosim/supervise.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static enum dea_status check_start(const struct dea_scene *scene, struct dea_error *error) {
+/* What a run refuses before it looks at a netlist. */
+static enum dea_status check_start(const struct dea_scene *scene, enum dea_engine_choice engine,
+                                   struct dea_error *error) {
+    if (scene->netlist != NULL && engine == DEA_ENGINE_NATIVE)
+        return dea_fail(error, DEA_ERR_INPUT,
+                        "%s: --engine native runs native sources only, and this scene has a netlist", scene->path);
+    if (scene->netlist == NULL && engine == DEA_ENGINE_NGSPICE)
+        return dea_fail(error, DEA_ERR_INPUT, "%s: --engine ngspice runs a netlist, and this scene has native sources",
+                        scene->path);
     for (int d = 0; d < scene->device_count; d++) {
         const char *why;
         if (dea_prestretch_fails(&scene->devices[d].device, &why))
@@ -15,6 +24,20 @@ static enum dea_status check_start(const struct dea_scene *scene, struct dea_err
                             scene->devices[d].name, why);
     }
     return DEA_OK;
+}
+
+enum dea_status dea_check_scene(const struct dea_scene *scene, const struct dea_run_options *options,
+                                struct dea_error *error) {
+    DEA_TRY(check_start(scene, options->engine, error));
+    if (scene->netlist == NULL)
+        return DEA_OK;
+    struct dea_netlist netlist = {0};
+    double stop;
+    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
+    if (status == DEA_OK)
+        status = cosim_choose_stop(scene, &netlist, &stop, error);
+    dea_netlist_clear(&netlist);
+    return status;
 }
 
 /* ---- rows to the result files ---- */
@@ -46,7 +69,7 @@ enum dea_status dea_run_scene(const struct dea_scene *scene, const struct dea_ru
                               struct dea_result *result, struct dea_error *error) {
     memset(result, 0, sizeof *result);
     double started = dea_clock();
-    enum dea_status status = check_start(scene, error);
+    enum dea_status status = check_start(scene, options->engine, error);
     struct file_sink files = {.scene = scene, .options = options};
     struct row_sink sink = {.context = &files, .open = open_files, .row = write_row};
     if (status == DEA_OK)
