@@ -64,6 +64,8 @@ struct dea_result {
     long redone;
     struct dea_netlist_measure *measures; /* owned */
     size_t measure_count;
+    int relaxed;          /* how often the circuit's tolerances had to be loosened to get through; 0: never */
+    bool circuit_gave_up; /* failed in the circuit's own time steps, not in a device */
     struct dea_run_stats stats_run;
 };
 

@@ -20,6 +20,9 @@
  * at A = 1e-2 .. 1e-6. */
 #define NEWTON_SHARE 0.3
 #define TRUNCATION_FACTOR 20.0
+/* Where ngspice cannot step at these tolerances (junctions and edges at tight ones), both are loosened by this factor
+ * and the run repeated. */
+#define RELAXATION 4.0
 
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 #define MAX_REST_ROUNDS 50
@@ -159,15 +162,15 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     return DEA_OK;
 }
 
-static void set_circuit_tolerances(struct cosim *run) {
-    double accuracy = run->scene->accuracy;
+static void set_circuit_tolerances(struct cosim *run, int relaxed) {
+    double accuracy = run->scene->accuracy, looser = pow(RELAXATION, relaxed);
     run->deck_options = (struct dea_deck_options){
         .stop = run->stop,
         .step = run->netlist->tran.step,
         .max_step = run->netlist->tran.max_step,
         .uic = run->netlist->tran.uic,
-        .reltol = fmin(1e-3, NEWTON_SHARE * accuracy),
-        .trtol = fmin(TRUNCATION_FACTOR * sqrt(accuracy), 7.0),
+        .reltol = fmin(1e-3, NEWTON_SHARE * accuracy * looser),
+        .trtol = fmin(TRUNCATION_FACTOR * sqrt(accuracy) * looser, 7.0),
     };
 }
 
@@ -320,6 +323,7 @@ static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
             continue;
         if (status == DEA_OK && run->status != DEA_OK)
             return run->status;
+        run->result->circuit_gave_up = status == DEA_ERR_SOLVER && run->status == DEA_OK && run->reached > 0.0;
         return status;
     }
     return dea_fail(error, DEA_ERR_SOLVER,
@@ -387,16 +391,17 @@ static void clear_run(struct cosim *run) {
 }
 
 enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
-                          const struct dea_run_options *options, const struct row_sink *sink,
+                          const struct dea_run_options *options, int relaxed, const struct row_sink *sink,
                           struct dea_channel *channel, struct dea_result *result, struct dea_error *error) {
     struct cosim run = {
         .scene = scene, .netlist = netlist, .options = options, .channel = channel, .result = result, .error = error};
     snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "cosim");
+    result->relaxed = relaxed;
     enum dea_status status = cosim_choose_stop(scene, netlist, &run.stop, error);
     if (status == DEA_OK)
         status = create_devices(&run, error);
     if (status == DEA_OK) {
-        set_circuit_tolerances(&run);
+        set_circuit_tolerances(&run, relaxed);
         status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
     }
     if (status == DEA_OK)

@@ -14,9 +14,10 @@ enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, 
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
                                   struct dea_error *error);
 
-/* Runs the coupled scene in this process. `channel` (may be NULL) is told of progress and asked whether to stop. */
+/* Runs the coupled scene in this process, the circuit's tolerances loosened `relaxed` times. `channel` (may be NULL) is
+ * told of progress and asked whether to stop. */
 enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
-                          const struct dea_run_options *options, const struct row_sink *sink,
+                          const struct dea_run_options *options, int relaxed, const struct row_sink *sink,
                           struct dea_channel *channel, struct dea_result *result, struct dea_error *error);
 
 #endif

@@ -53,6 +53,9 @@ static enum dea_status open_files(void *context, const struct dea_signal *signal
     struct file_sink *sink = context;
     if (sink->options->directory == NULL)
         return DEA_OK;
+    struct dea_recorder *stale = sink->recorder; /* of a run that is being repeated */
+    sink->recorder = NULL;
+    DEA_TRY(dea_recorder_close(stale, error));
     return dea_recorder_open(sink->options->directory, sink->scene->formats, sink->scene->title, signals, count,
                              &sink->recorder, error);
 }

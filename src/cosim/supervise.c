@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #define SILENCE_LIMIT 300.0     /* s without any progress before the child counts as hung */
+#define MAX_RELAXED 4           /* repeats with looser circuit tolerances */
 #define CHECKPOINT_INTERVAL 0.5 /* s between two partial results, what is left after a crash */
 
 enum message { MESSAGE_OPEN = 1, MESSAGE_ROW, MESSAGE_RESULT };
@@ -19,6 +20,7 @@ struct child {
     const struct dea_scene *scene;
     const struct dea_netlist *netlist;
     const struct dea_run_options *options;
+    int relaxed;
     FILE *terminal; /* the user's, while stderr goes to the log */
     struct dea_channel *channel;
     struct dea_result result;
@@ -84,7 +86,7 @@ static enum dea_status run_child(struct dea_channel *channel, void *context, str
     child->options->report->terminal = child->terminal;
     struct row_sink sink = {.context = child, .open = send_open, .row = send_row};
     enum dea_status status =
-        cosim_run(child->scene, child->netlist, child->options, &sink, channel, &child->result, error);
+        cosim_run(child->scene, child->netlist, child->options, child->relaxed, &sink, channel, &child->result, error);
     if (child->result.signal_count > 0 && send_result(child) != DEA_OK && status >= 0)
         status = dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
     dea_result_clear(&child->result);
@@ -171,8 +173,20 @@ enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_r
                                             .silence_s = SILENCE_LIMIT,
                                             .log_path = log[0] != '\0' ? log : NULL,
                                             .stop = options->interrupt};
-        fflush(NULL); /* the child must not write buffers twice */
-        status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
+        for (;; child.relaxed++) {
+            fflush(NULL); /* the child must not write buffers twice */
+            status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
+            if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.relaxed == MAX_RELAXED)
+                break;
+            dea_report_warn(options->report, "%s\nrepeating the run with looser tolerances in the circuit",
+                            error->text);
+            dea_result_clear(result);
+        }
+        if (child.relaxed > 0 && status >= 0)
+            dea_report_warn(options->report,
+                            "the circuit's tolerances were loosened %d times to get through: the result may miss the "
+                            "accuracy asked for; compare with a run at another --accuracy",
+                            child.relaxed);
         if (child.terminal != NULL)
             fclose(child.terminal);
     }
