@@ -109,6 +109,25 @@ static enum dea_status find_natural_stretch(const struct film_task *task, double
     return at_natural->g_lam > 0.0 ? DEA_OK : DEA_RECOVERABLE;
 }
 
+/* A film squeezed past the law's limit is slack, for the net stress falls without bound on the way there. Finds a
+ * stretch between the geometric one and the spring at rest where the law holds and the film is still pushed, G < 0. */
+static enum dea_status enter_domain(const struct film_task *task, double taut, double *pushed,
+                                    struct slope_of_energy *at_pushed) {
+    double low = taut, high = 1.0 / sqrt(task->device->prestretch[1]); /* W1 = 0 */
+    *pushed = high;
+    for (int i = 0; i < MAX_SLACK_ITERATIONS && low < high; i++) {
+        bool inside = slope_energy(task, *pushed, at_pushed) == DEA_OK;
+        if (inside && at_pushed->g < 0.0)
+            return DEA_OK;
+        if (inside)
+            high = *pushed;
+        else
+            low = *pushed;
+        *pushed = 0.5 * (low + high);
+    }
+    return DEA_RECOVERABLE;
+}
+
 enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum dea_control control, double x,
                                  double e, const double *states, bool with_derivatives,
                                  struct dea_branch_response *branches, struct dea_film *film) {
@@ -118,13 +137,18 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
     if (!(taut > 0.0))
         return DEA_RECOVERABLE;
     struct slope_of_energy s;
-    DEA_TRY(slope_energy(&task, taut, &s));
+    double pushed = taut;
+    if (slope_energy(&task, taut, &s) != DEA_OK) {
+        if (!device->slack)
+            return DEA_RECOVERABLE;
+        DEA_TRY(enter_domain(&task, taut, &pushed, &s));
+    }
     film->lam = taut;
     film->margin = s.g / geometry->volume;
     film->slack = device->slack && s.g < 0.0;
     if (film->slack) {
-        struct slope_of_energy taut_slope = s;
-        DEA_TRY(find_natural_stretch(&task, taut, &taut_slope, &film->lam, &s));
+        struct slope_of_energy pushed_slope = s;
+        DEA_TRY(find_natural_stretch(&task, pushed, &pushed_slope, &film->lam, &s));
     }
     film->p1 = s.p1;
     film->pull = film->slack ? 0.0 : s.g * per_length;

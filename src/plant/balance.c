@@ -37,6 +37,23 @@ static enum dea_status close_bracket(balance_force force, void *context, double 
     return DEA_OK;
 }
 
+/* Where everything is slack nothing pulls at all: the balance is the near edge of that range, where the force `fa` at a
+ * has just faded. */
+static enum dea_status find_edge(balance_force force, void *context, double a, double fa, double b, double *x) {
+    for (int i = 0; i < MAX_REFINEMENTS && fabs(b - a) > 4e-16 * fmax(fabs(a), fabs(b)); i++) {
+        double middle = 0.5 * (a + b), f;
+        if (middle == a || middle == b)
+            break;
+        DEA_TRY(force(context, middle, &f));
+        if ((f > 0.0) == (fa > 0.0) && f != 0.0)
+            a = middle;
+        else
+            b = middle;
+    }
+    *x = b;
+    return DEA_OK;
+}
+
 enum dea_status plant_find_balance(balance_force force, void *context, double x0, double stride, double force_scale,
                                    double *x) {
     double f0, f;
@@ -53,7 +70,9 @@ enum dea_status plant_find_balance(balance_force force, void *context, double x0
             stride *= 0.5;
             continue;
         }
-        if ((f > 0.0) != (f0 > 0.0) || f == 0.0)
+        if (f == 0.0)
+            return find_edge(force, context, x0, f0, next, x);
+        if ((f > 0.0) != (f0 > 0.0))
             return close_bracket(force, context, x0, f0, next, f, x);
         x0 = next;
         f0 = f;

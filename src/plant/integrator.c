@@ -17,7 +17,10 @@
 /* Before an unknown has moved, it is weighed as if it had already this part of its expected size. */
 #define EXPECTED_PART 1e-3
 
-#define MAX_STANDSTILL 200 /* steps without progress in time */
+#define MAX_STANDSTILL 200  /* steps without progress in time */
+#define RECENT 1e-9         /* part of the time reached for which a refused state still explains a failure */
+#define CRAWL_STEPS 2000    /* so many steps in a row ... */
+#define CRAWL_ADVANCE 1e-11 /* ... that advance by less than this part of the time reached will never end */
 
 /* ---- set-up ---- */
 
@@ -229,9 +232,12 @@ static enum dea_status report_failure(const struct dea_plant *plant, const char 
     for (long i = first; i < plant->trail_length && used < (int)sizeof steps - 64; i++)
         used += snprintf(steps + used, sizeof steps - (size_t)used, "\n  t = %.12g s  dt = %.3g s  order %d",
                          plant->trail[i % kept].t, plant->trail[i % kept].h, plant->trail[i % kept].order);
-    return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: %s (IDA %d)%s%s%s%s", plant->t, why, flag,
-                    plant->trouble != NULL ? "; " : "", plant->trouble != NULL ? plant->trouble : "",
-                    used > 0 ? "\nlast steps:" : "", steps);
+    char code[24] = "";
+    if (flag < 0)
+        snprintf(code, sizeof code, " (IDA %d)", flag);
+    bool recent = plant->trouble != NULL && plant->t - plant->trouble_t <= RECENT * plant->t;
+    return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: %s%s%s%s%s%s", plant->t, why, code, recent ? "; " : "",
+                    recent ? plant->trouble : "", used > 0 ? "\nlast steps:" : "", steps);
 }
 
 static void note_step(struct dea_plant *plant) {
@@ -269,8 +275,13 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
     double reached = plant->t, quad_time;
     if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);
+    const char *earlier = plant->trouble;
     plant->trouble = NULL;
     int flag = IDASolve(plant->ida, limit, &reached, plant->y, plant->yp, IDA_ONE_STEP);
+    if (plant->trouble != NULL)
+        plant->trouble_t = reached;
+    else
+        plant->trouble = earlier;
     if (flag < 0)
         return report_failure(plant, explain(flag), flag, error);
     plant->integrating = true;
@@ -282,7 +293,13 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
     note_step(plant);
     note_work(plant);
     plant->standstill = reached > plant->t_previous ? 0 : plant->standstill + 1;
-    if (plant->standstill > MAX_STANDSTILL)
+    bool crawling = false;
+    if (++plant->crawl_steps == CRAWL_STEPS) {
+        crawling = reached - plant->crawl_from < CRAWL_ADVANCE * reached;
+        plant->crawl_steps = 0;
+        plant->crawl_from = reached;
+    }
+    if (plant->standstill > MAX_STANDSTILL || crawling)
         return report_failure(plant, "the run is not advancing any more", flag, error);
     *step = (struct dea_step){plant->t_previous, plant->t, flag == IDA_ROOT_RETURN};
     if (step->root && IDAGetRootInfo(plant->ida, plant->root_hits) != IDA_SUCCESS)

@@ -118,7 +118,10 @@ struct dea_plant {
     } trail[8]; /* last steps, for diagnosis */
     long trail_length;
     int standstill;      /* steps in a row without progress in time */
+    int crawl_steps;     /* steps since crawl_from */
+    double crawl_from;   /* s */
     const char *trouble; /* why the residual last refused a state, static text */
+    double trouble_t;    /* s, end of the step in which it did */
 };
 
 /* layout.c */

@@ -210,6 +210,7 @@ enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double vol
 enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
                                 enum dea_start start, const double *x, const double *v, struct dea_error *error) {
     plant->inputs = *inputs;
+    plant->trouble = NULL;
     plant->t = plant->t_previous = t;
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
     double position;
@@ -268,6 +269,7 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
 
 enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
                                   struct dea_error *error) {
+    plant->trouble = NULL;
     if (book_jump(plant, inputs) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the jump of the drive leaves the model: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
