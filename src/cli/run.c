@@ -54,6 +54,7 @@ static enum dea_status open_log(const char *directory, FILE **log, struct dea_er
 
 static enum dea_status print_result(const struct cli_options *options, const struct dea_scene *scene,
                                     const struct dea_result *result, struct dea_error *error) {
+    errno = 0;
     if (options->json) {
         char *json = dea_summary_json(scene, result);
         if (json == NULL)
@@ -63,8 +64,9 @@ static enum dea_status print_result(const struct cli_options *options, const str
     } else if (!options->quiet) {
         dea_summary_print(scene, result, stdout);
     }
-    return fflush(stdout) == 0 ? DEA_OK
-                               : dea_fail(error, DEA_ERR_OUTPUT, "cannot write the summary: %s", strerror(errno));
+    if (fflush(stdout) != 0 || ferror(stdout)) /* the latter remembers a write that failed on the way */
+        return dea_fail(error, DEA_ERR_OUTPUT, "cannot write the summary: %s", strerror(errno != 0 ? errno : EIO));
+    return DEA_OK;
 }
 
 static int run_scene(const struct cli_options *options, const struct dea_scene *scene) {
