@@ -31,6 +31,7 @@ struct observer {
     struct dea_signal *signals; /* all of them */
     int *first;                 /* first signal of each plant, plant_count + 1 entries */
     struct port_columns *ports; /* DEA_ZONES per plant */
+    bool *foreign;              /* signals whose extremes come from a circuit, not from the plant */
     double *values, *row;       /* all signals; those written */
     struct history *histories;
     int *history_length; /* step ends since the last jump, at most 2, per plant */
@@ -76,10 +77,17 @@ static void name_signals(struct observer *o) {
             if (o->observed[d].name != NULL) /* "DEB.left.voltage" */
                 snprintf(signal->name, sizeof signal->name, "%.31s.%.63s", o->observed[d].name, plain.name);
         }
-        for (int k = 0; k < DEA_ZONES; k++)
-            o->ports[d * DEA_ZONES + k] = (struct port_columns){
-                find_column(o, d, k, "voltage"), find_column(o, d, k, "port_voltage"), find_column(o, d, k, "charge"),
-                find_column(o, d, k, "current"), find_column(o, d, k, "true_field"),   find_column(o, d, k, "stretch")};
+        for (int k = 0; k < DEA_ZONES; k++) {
+            struct port_columns *columns = &o->ports[d * DEA_ZONES + k];
+            *columns = (struct port_columns){find_column(o, d, k, "voltage"),    find_column(o, d, k, "port_voltage"),
+                                             find_column(o, d, k, "charge"),     find_column(o, d, k, "current"),
+                                             find_column(o, d, k, "true_field"), find_column(o, d, k, "stretch")};
+            const int electrical[] = {columns->voltage, columns->port_voltage, columns->charge, columns->current,
+                                      columns->true_field};
+            for (size_t e = 0; e < sizeof electrical / sizeof electrical[0]; e++)
+                if (electrical[e] != ABSENT)
+                    o->foreign[electrical[e]] = o->scene->netlist != NULL;
+        }
     }
 }
 
@@ -123,6 +131,7 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
     o->result->signal_count = count;
     o->signals = calloc(count, sizeof *o->signals);
     o->ports = calloc(plants * DEA_ZONES, sizeof *o->ports);
+    o->foreign = calloc(count, sizeof *o->foreign);
     o->values = calloc(count, sizeof *o->values);
     o->row = calloc(room, sizeof *o->row);
     o->histories = calloc(count, sizeof *o->histories);
@@ -133,9 +142,9 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
     o->result->signals = o->signals;
     o->result->stats = calloc(count, sizeof *o->result->stats);
     o->result->events = calloc(MAX_EVENTS, sizeof *o->result->events);
-    if (o->signals == NULL || o->ports == NULL || o->values == NULL || o->row == NULL || o->histories == NULL ||
-        o->history_length == NULL || o->reached == NULL || o->written == NULL || o->written_signals == NULL ||
-        o->result->stats == NULL || o->result->events == NULL)
+    if (o->signals == NULL || o->ports == NULL || o->foreign == NULL || o->values == NULL || o->row == NULL ||
+        o->histories == NULL || o->history_length == NULL || o->reached == NULL || o->written == NULL ||
+        o->written_signals == NULL || o->result->stats == NULL || o->result->events == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu signals", count);
     for (size_t i = 0; i < count; i++)
         o->result->stats[i] = (struct dea_signal_stats){.min = INFINITY, .max = -INFINITY};
@@ -145,6 +154,7 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
 static void free_observer(struct observer *o) {
     free(o->first);
     free(o->ports);
+    free(o->foreign);
     free(o->values);
     free(o->row);
     free(o->histories);
@@ -215,6 +225,8 @@ static void note_step_end(struct observer *o, int device, double t) {
     for (int i = o->first[device]; i < o->first[device + 1]; i++) {
         struct dea_signal_stats *stats = &o->result->stats[i];
         struct history *h = &o->histories[i];
+        if (o->foreign[i])
+            continue;
         note_extreme(stats, t, o->values[i]);
         if (o->history_length[device] == 2)
             note_vertex(stats, h, t, o->values[i]);
@@ -281,7 +293,8 @@ enum dea_status observer_follow(struct observer *o, int device, double from, dou
         double *row = o->pending + (size_t)(o->reached[device] - o->next_sample) * o->result->signal_count;
         DEA_TRY(dea_plant_signals(o->observed[device].plant, t, row + o->first[device], error));
         for (int i = o->first[device]; i < o->first[device + 1]; i++)
-            note_extreme(&o->result->stats[i], t, row[i]);
+            if (!o->foreign[i])
+                note_extreme(&o->result->stats[i], t, row[i]);
         o->reached[device]++;
     }
     DEA_TRY(dea_plant_signals(o->observed[device].plant, to, o->values + o->first[device], error));
