@@ -59,22 +59,33 @@ enum dea_status cli_parse_design_option(int letter, struct cli_design_options *o
     }
 }
 
-static enum dea_status read_design(const char *path, struct dea_design *design, struct dea_error *error) {
-    struct dea_device device = {0};
-    enum dea_status status = dea_device_read(path, NULL, 0, &device, error);
-    if (status == DEA_OK)
-        status = dea_design_from_device(&device, design, error);
-    dea_device_clear(&device);
-    return status;
+/* The device measured in the paper: 4 mm + 4 mm by 30 mm, PMMA platform of 0.428 g. */
+static enum dea_status make_paper_device(const struct dea_design *design, struct dea_device *device,
+                                         struct dea_error *error) {
+    DEA_TRY(dea_design_to_device(design, 30e-3, 8e-3, false, device, error));
+    device->platform_mass = 0.428e-3;
+    device->material.density = 1120.0;
+    device->membrane_mass = true;
+    return dea_device_prepare(device, error);
+}
+
+static enum dea_status read_design(const char *path, struct dea_design *design, struct dea_device *device,
+                                   struct dea_error *error) {
+    DEA_TRY(dea_device_read(path, NULL, 0, device, error));
+    return dea_design_from_device(device, design, error);
 }
 
 enum dea_status cli_finish_design(int argc, char **argv, const struct cli_design_options *options,
-                                  struct dea_design *design, struct dea_error *error) {
+                                  struct dea_design *design, struct dea_device *device, struct dea_error *error) {
+    struct dea_device own = {0};
+    struct dea_device *target = device != NULL ? device : &own;
     if (optind + 1 < argc)
         return dea_fail(error, DEA_ERR_INPUT, "\"%s\" is one argument too many", argv[optind + 1]);
     *design = dea_design_of_paper();
-    if (optind < argc)
-        DEA_TRY(read_design(argv[optind], design, error));
+    enum dea_status status =
+        optind < argc ? read_design(argv[optind], design, target, error) : make_paper_device(design, target, error);
+    dea_device_clear(&own);
+    DEA_TRY(status);
     for (int i = 0; i < options->set_count; i++)
         DEA_TRY(dea_design_set(design, options->sets[i].key, options->sets[i].value, error));
     design->dead_load = design->dead_load || options->dead_load;

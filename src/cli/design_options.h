@@ -32,8 +32,9 @@ enum dea_status cli_find_design_key(const char *option, const char *name, enum d
                                     struct dea_error *error);
 
 /* After getopt: reads the device file when one is left in argv, else starts from the paper's design; applies the
- * options. */
+ * options. `device` (may be NULL) receives the device itself, that of the paper without a file; the caller clears it,
+ * also after a failure. */
 enum dea_status cli_finish_design(int argc, char **argv, const struct cli_design_options *options,
-                                  struct dea_design *design, struct dea_error *error);
+                                  struct dea_design *design, struct dea_device *device, struct dea_error *error);
 
 #endif

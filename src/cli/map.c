@@ -151,7 +151,7 @@ static enum dea_status parse_options(int argc, char **argv, struct map_options *
     }
     if (options->help)
         return DEA_OK;
-    DEA_TRY(cli_finish_design(argc, argv, &options->design, &options->map.base, error));
+    DEA_TRY(cli_finish_design(argc, argv, &options->design, &options->map.base, NULL, error));
     DEA_TRY(parse_axis("--x", options->texts[0], &options->map.x, error));
     return parse_axis("--y", options->texts[1], &options->map.y, error);
 }

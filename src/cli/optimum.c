@@ -20,6 +20,7 @@ enum {
     OPTION_TENSION,
     OPTION_COMPARE,
     OPTION_OVER,
+    OPTION_DYNAMIC,
     OPTION_JSON
 };
 
@@ -39,6 +40,9 @@ static const char usage[] =
     "      --max-voltage V    the supply ends there (with t0 free: the thickest film it can drive to the end)\n"
     "      --over P=A:B:N     repeats everything over a parameter, one line each\n"
     "      --compare          adds the dead load and the bidirectional device, each at its own optimum\n"
+    "      --dynamic          adds what a voltage step and a ramp of one natural period do to it, and the largest\n"
+    "                         voltages that can be switched on so (platform and branches from DEVICE, or the paper's\n"
+    "                         4 + 4 mm by 30 mm with 0.428 g and no branches)\n"
     "      --json             one JSON object, SI units\n"
     "  -h, --help             this text\n"
     "\n"
@@ -49,7 +53,8 @@ struct optimum_options {
     struct cli_design_options design;
     struct dea_optimum_task task;
     const char *free_list, *over;
-    bool pure_shear, compare, json, help;
+    struct dea_device device; /* the film's surroundings, for --dynamic */
+    bool pure_shear, compare, dynamic, json, help;
     double least_tension;
 };
 
@@ -113,6 +118,9 @@ static enum dea_status parse_option(int letter, struct optimum_options *options,
     case OPTION_COMPARE:
         options->compare = true;
         return DEA_OK;
+    case OPTION_DYNAMIC:
+        options->dynamic = true;
+        return DEA_OK;
     case OPTION_OVER:
         options->over = optarg;
         return DEA_OK;
@@ -129,7 +137,7 @@ static enum dea_status parse_option(int letter, struct optimum_options *options,
 
 static enum dea_status finish_options(int argc, char **argv, struct optimum_options *options, struct dea_error *error) {
     struct dea_optimum_task *task = &options->task;
-    DEA_TRY(cli_finish_design(argc, argv, &options->design, &task->base, error));
+    DEA_TRY(cli_finish_design(argc, argv, &options->design, &task->base, &options->device, error));
     task->base.least_tension = options->least_tension;
     const char *usual = task->base.dead_load ? "lp1" : task->both_ways ? "lp1" : "r_a,lp1";
     DEA_TRY(parse_free(options->free_list != NULL ? options->free_list : usual, task, error));
@@ -139,8 +147,8 @@ static enum dea_status finish_options(int argc, char **argv, struct optimum_opti
         task->keys[DEA_KEY_PRESTRETCH1].free = false;
         task->base.prestretch[0] = 1.0;
     }
-    if (options->over != NULL && options->compare)
-        return dea_fail(error, DEA_ERR_INPUT, "give either --over or --compare");
+    if (options->over != NULL && (options->compare || options->dynamic))
+        return dea_fail(error, DEA_ERR_INPUT, "--over goes neither with --compare nor with --dynamic");
     return DEA_OK;
 }
 
@@ -151,6 +159,7 @@ static enum dea_status parse_options(int argc, char **argv, struct optimum_optio
                                           {"both-ways", no_argument, NULL, OPTION_BOTH_WAYS},
                                           {"min-tension", required_argument, NULL, OPTION_TENSION},
                                           {"compare", no_argument, NULL, OPTION_COMPARE},
+                                          {"dynamic", no_argument, NULL, OPTION_DYNAMIC},
                                           {"over", required_argument, NULL, OPTION_OVER},
                                           {"json", no_argument, NULL, OPTION_JSON},
                                           {"help", no_argument, NULL, 'h'},
@@ -218,14 +227,19 @@ static enum dea_status compare(const struct dea_optimum_task *task, struct optim
 static enum dea_status answer_one(const struct optimum_options *options, struct dea_error *error) {
     struct dea_optimum optimum;
     struct optimum_comparison comparison;
+    struct optimum_dynamics dynamics;
     if (options->compare && (options->task.base.dead_load || options->task.both_ways))
         return dea_fail(error, DEA_ERR_INPUT, "--compare starts from the one-way device with a passive membrane");
     DEA_TRY(dea_optimum_find(&options->task, &optimum, error));
     if (options->compare)
         DEA_TRY(compare(&options->task, &comparison, error));
+    if (options->dynamic)
+        DEA_TRY(optimum_switch_on(&optimum, &options->device, &dynamics, error));
+    const struct optimum_comparison *compared = options->compare ? &comparison : NULL;
+    const struct optimum_dynamics *switched = options->dynamic ? &dynamics : NULL;
     if (options->json)
-        return optimum_print_json(&optimum, options->compare ? &comparison : NULL, error);
-    optimum_print(&options->task, &optimum, options->compare ? &comparison : NULL);
+        return optimum_print_json(&optimum, compared, switched, error);
+    optimum_print(&options->task, &optimum, compared, switched);
     return DEA_OK;
 }
 
@@ -237,5 +251,6 @@ int cli_optimum(int argc, char **argv) {
         fputs(usage, stdout);
     else if (status == DEA_OK)
         status = options.over != NULL ? answer_over(&options, &error) : answer_one(&options, &error);
+    dea_device_clear(&options.device);
     return status == DEA_OK ? 0 : cli_report("optimum", &error);
 }

@@ -53,8 +53,28 @@ static void print_comparison(const struct dea_optimum *optimum, const struct opt
     printf("  that is %.4f times the one-way stroke\n", both->stroke / optimum->stroke);
 }
 
+static void print_transient(const char *name, const struct optimum_transient *transient) {
+    printf("  %s: displacement peaks at %.4f times the static one, field at %.6g V/um", name, transient->peak_ratio,
+           transient->peak_field * 1e-6);
+    if (!isnan(transient->breakdown_ratio))
+        printf(" (%.3f E_bd)", transient->breakdown_ratio);
+    printf(",\n    least tension %.4g mN, least stress across %.4f MPa", transient->least_tension * 1e3,
+           transient->least_stress2 * 1e-6);
+    if (isnan(transient->first_time))
+        printf("; no failure\n");
+    else
+        printf("; %s after %.4g ms.\n    Safe up to %.6g V, %.3f times the static voltage\n", transient->first_failure,
+               transient->first_time * 1e3, transient->safe_voltage, transient->safe_voltage / transient->voltage);
+}
+
+static void print_dynamics(const struct optimum_dynamics *dynamics) {
+    printf("\nswitched on (natural period %.4g ms)\n", dynamics->period * 1e3);
+    print_transient("step", &dynamics->step);
+    print_transient("ramp of one period", &dynamics->ramp);
+}
+
 void optimum_print(const struct dea_optimum_task *task, const struct dea_optimum *optimum,
-                   const struct optimum_comparison *comparison) {
+                   const struct optimum_comparison *comparison, const struct optimum_dynamics *dynamics) {
     printf("%s (%s)\n", optimum->method == DEA_OPTIMUM_GIVEN ? "the given design" : "best design",
            method_names[optimum->method]);
     for (int key = 0; key < DEA_KEY_COUNT; key++)
@@ -66,6 +86,8 @@ void optimum_print(const struct dea_optimum_task *task, const struct dea_optimum
     print_end(optimum);
     if (comparison != NULL)
         print_comparison(optimum, comparison);
+    if (dynamics != NULL)
+        print_dynamics(dynamics);
 }
 
 void optimum_print_sweep(const struct dea_optimum_task *task, const struct optimum_sweep *sweep) {
@@ -136,13 +158,34 @@ static bool add_optimum(cJSON *object, const char *key, const struct dea_optimum
     return child != NULL && fill_optimum(child, optimum);
 }
 
+static bool add_transient(cJSON *object, const char *key, const struct optimum_transient *transient) {
+    cJSON *child = cJSON_AddObjectToObject(object, key);
+    return child != NULL && add_number(child, "rise", transient->rise) &&
+           add_number(child, "peak_ratio", transient->peak_ratio) &&
+           add_number(child, "peak_field", transient->peak_field) &&
+           add_number(child, "breakdown_ratio", transient->breakdown_ratio) &&
+           add_number(child, "least_tension", transient->least_tension) &&
+           add_number(child, "least_stress2", transient->least_stress2) &&
+           cJSON_AddStringToObject(child, "first_failure", transient->first_failure) != NULL &&
+           add_number(child, "first_time", transient->first_time) &&
+           add_number(child, "safe_voltage", transient->safe_voltage);
+}
+
+static bool add_dynamics(cJSON *root, const struct optimum_dynamics *dynamics) {
+    cJSON *object = cJSON_AddObjectToObject(root, "dynamic");
+    return object != NULL && add_number(object, "period", dynamics->period) &&
+           add_transient(object, "step", &dynamics->step) && add_transient(object, "ramp", &dynamics->ramp);
+}
+
 enum dea_status optimum_print_json(const struct dea_optimum *optimum, const struct optimum_comparison *comparison,
-                                   struct dea_error *error) {
+                                   const struct optimum_dynamics *dynamics, struct dea_error *error) {
     cJSON *root = cJSON_CreateObject();
     bool good = root != NULL && fill_optimum(root, optimum);
     if (comparison != NULL)
         good = good && add_optimum(root, "dead_load", &comparison->dead_load) &&
                add_optimum(root, "both_ways", &comparison->both_ways);
+    if (dynamics != NULL)
+        good = good && add_dynamics(root, dynamics);
     return print_and_delete(root, good, error);
 }
 

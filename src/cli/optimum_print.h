@@ -2,6 +2,7 @@
 #ifndef DEASIM_CLI_OPTIMUM_PRINT_H
 #define DEASIM_CLI_OPTIMUM_PRINT_H
 
+#include "cli/optimum_dynamic.h"
 #include "cli/range.h"
 #include "deasim/optimum.h"
 
@@ -17,11 +18,11 @@ struct optimum_sweep {
     struct dea_optimum *optima; /* range.count of them */
 };
 
-/* `comparison` may be NULL. */
+/* `comparison` and `dynamics` may be NULL. */
 void optimum_print(const struct dea_optimum_task *task, const struct dea_optimum *optimum,
-                   const struct optimum_comparison *comparison);
+                   const struct optimum_comparison *comparison, const struct optimum_dynamics *dynamics);
 enum dea_status optimum_print_json(const struct dea_optimum *optimum, const struct optimum_comparison *comparison,
-                                   struct dea_error *error);
+                                   const struct optimum_dynamics *dynamics, struct dea_error *error);
 
 void optimum_print_sweep(const struct dea_optimum_task *task, const struct optimum_sweep *sweep);
 enum dea_status optimum_print_sweep_json(const struct optimum_sweep *sweep, struct dea_error *error);

@@ -68,6 +68,29 @@ expect 0 "$DEASIM" optimum "$ROOT/models/planar_unidirectional.yaml" --free none
 near displacement 0.0447716 1e-7
 expect 0 "$DEASIM" optimum --min-tension "120 kPa" --json
 near passive_stress1 120000 1e-3
+
+# ---- switched on: the undamped step against its energy balance, the measured device of the paper ----
+expect 0 "$DEASIM" optimum --dynamic --free none --set lp1=1.2 --set lp2=1.2
+has out 'step: displacement peaks at 1.97'
+has out 'ramp of one period: displacement peaks at 1.34'
+has out 'breakdown after'
+expect 0 "$DEASIM" optimum --dynamic --free none --set lp1=1.2 --set lp2=1.2 --json
+has out '"first_failure":"breakdown"'
+sed 's/.*"step"/"step"/' out >step
+mv step out
+# at the largest safe step the peak field is E_bd, and the work of the source has all become energy:
+# r W(lam_a) + (1 - r) W(lam_p) - W(lp) = (eps/2) r (V/t0)^2 ((lam_a/lp1)^2 - 1)
+awk -v volt="$(number safe_voltage)" 'function w(l1, l2) {
+        return -0.365e6 * 16.6 / 2 * log(1 - (l1 * l1 + l2 * l2 + 1 / (l1 * l1 * l2 * l2) - 3) / 16.6) }
+    function missing(v) {
+        r = 0.5; lp1 = 1.2; la = 100e6 * 25e-6 * lp1 / v; lp = lp1 - r / (1 - r) * (la - lp1)
+        return r * w(la, 1.2) + (1 - r) * w(lp, 1.2) - w(lp1, 1.2) - 2.5 * 8.8541878128e-12 / 2 * r * (v / 25e-6) ^ 2 * ((la / lp1) ^ 2 - 1) }
+    BEGIN { if (missing(volt * 0.9998) > 0 && missing(volt * 1.0001) < 0) exit 0; print "safe voltage", volt; exit 1 }'
+expect 0 "$DEASIM" optimum "$ROOT/models/planar_c_s5.yaml" --dynamic --json
+has out '"safe_voltage":'
+expect 0 "$DEASIM" optimum --dynamic --max-voltage "1 kV"
+has out '; no failure'
+
 expect 0 "$DEASIM" optimum --help
 has out 'usage: deasim optimum'
 
@@ -91,7 +114,8 @@ refuse 'this design fails by its prestretch alone' --free none --set lp1=0.6
 refuse 'no design in these ranges survives its prestretch' --free lp1=0.2:0.5
 refuse '--over Jm: it cannot be free as well' --free Jm=5:10 --over Jm=5:30:6
 refuse '--over Jm: "5:30" lacks the number of points' --over Jm=5:30
-refuse 'give either --over or --compare' --over Jm=5:30:3 --compare
+refuse '--over goes neither with --compare nor with --dynamic' --over Jm=5:30:3 --compare
+refuse 'a dead load has no natural frequency to switch on against' --dead-load --dynamic
 refuse '--min-tension -1: must not be negative' --min-tension -1
 refuse '--min-tension: ' --min-tension '3 mm'
 refuse 'unknown option --nothing' --nothing
