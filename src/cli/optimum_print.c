@@ -20,7 +20,10 @@ static void print_key(const struct dea_optimum_task *task, const struct dea_opti
     double value = dea_design_get(&optimum->design, key);
     if (isnan(value))
         return;
-    printf("  %-6s %.7g%s%s", info->name, value * info->factor, info->unit[0] != '\0' ? " " : "", info->unit);
+    if (isinf(value))
+        printf("  %-6s not given", info->name);
+    else
+        printf("  %-6s %.7g%s%s", info->name, value * info->factor, info->unit[0] != '\0' ? " " : "", info->unit);
     printf("%s%s\n", task->keys[key].free ? "  (chosen)" : "",
            optimum->at_bound[key] ? ", at the end of its range" : "");
 }

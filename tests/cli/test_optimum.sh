@@ -66,6 +66,11 @@ expect 0 "$DEASIM" optimum --free r_a,lp1=1:1.5
 has out '  lp1    1  (chosen), at the end of its range'
 expect 0 "$DEASIM" optimum "$ROOT/models/planar_unidirectional.yaml" --free none --json
 near displacement 0.0447716 1e-7
+sed "s#^base: .*#base: $ROOT/models/planar_c_s5.yaml\nmaterial: $ROOT/models/materials/elastosil2030.yaml#" \
+    "$ROOT/models/planar_unidirectional.yaml" >elastosil.yaml
+expect 0 "$DEASIM" optimum elastosil.yaml --free r_a,lp1 # Yeoh, permittivity falling with stretch, no breakdown given
+has out '  E_bd   not given'
+has out '(search)'
 expect 0 "$DEASIM" optimum --min-tension "120 kPa" --json
 near passive_stress1 120000 1e-3
 
