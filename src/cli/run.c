@@ -37,6 +37,9 @@ static void catch_signals(void) {
     struct sigaction action = {.sa_handler = interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    /* a limit on file sizes is a full disk: the write fails and is reported */
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGXFSZ, &action, NULL);
 }
 
 /* The log lives beside the results; opening it also finds out whether DIR can be written. */
@@ -74,16 +77,18 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
     struct dea_report report = {.terminal = options->quiet ? NULL : stderr,
                                 .verbose = options->verbose,
                                 .progress = !options->quiet && !options->json && isatty(STDERR_FILENO)};
-    if (options->directory != NULL && open_log(options->directory, &report.log, &error) != DEA_OK)
-        return cli_report("run", &error);
-    catch_signals();
-    struct dea_result result;
     struct dea_run_options run = {.directory = options->directory,
                                   .report = &report,
                                   .interrupt = &interrupted,
                                   .engine = options->engine,
                                   .trust_netlist = options->trust_netlist,
                                   .time_limit = options->time_limit};
+    /* before a folder is made for its results */
+    if (dea_check_scene(scene, &run, &error) != DEA_OK ||
+        (options->directory != NULL && open_log(options->directory, &report.log, &error) != DEA_OK))
+        return cli_report("run", &error);
+    catch_signals();
+    struct dea_result result;
     enum dea_status status = dea_run_scene(scene, &run, &result, &error);
     if (status < 0)
         cli_report("run", &error);
@@ -93,15 +98,15 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
     /* whatever happened, say what was computed; a run that never began has nothing to say */
     bool began = result.signal_count > 0 && result.stats[0].max >= result.stats[0].min;
     if (began) {
-        enum dea_status said =
+        enum dea_status written =
             options->directory != NULL ? dea_summary_write(options->directory, scene, &result, &error) : DEA_OK;
-        if (said == DEA_OK)
-            said = print_result(options, scene, &result, &error);
-        if (said != DEA_OK) {
+        if (written != DEA_OK)
             cli_report("run", &error);
-            if (status >= 0)
-                status = said;
-        }
+        enum dea_status printed = print_result(options, scene, &result, &error);
+        if (printed != DEA_OK)
+            cli_report("run", &error);
+        if (status >= 0 && (written != DEA_OK || printed != DEA_OK))
+            status = written != DEA_OK ? written : printed;
     }
     if (report.log != NULL && fclose(report.log) != 0 && status >= 0) {
         fprintf(stderr, "deasim run: %s/log.txt is incomplete: %s\n", options->directory, strerror(errno));

@@ -19,16 +19,15 @@ struct native_run {
 
 /* ---- set-up ---- */
 
-static enum dea_status choose_port(const struct dea_scene *scene, int k, struct dea_plant_port *port,
-                                   struct dea_error *error) {
+static void choose_port(const struct dea_scene *scene, int k, struct dea_plant_port *port) {
     const struct dea_zone *zone = &scene->devices[0].device.zones[k];
     const struct dea_source *source = &scene->sources[k];
     *port = (struct dea_plant_port){.kind = DEA_PORT_PASSIVE};
     if (!zone->present || !zone->electroded)
-        return DEA_OK;
+        return;
     port->kind = DEA_PORT_IDEAL; /* without a source the electrode is grounded */
     if (!source->present)
-        return DEA_OK;
+        return;
     port->peak = dea_waveform_peak(&source->waveform);
     port->resistance = source->resistance;
     if (source->amplified) {
@@ -37,12 +36,6 @@ static enum dea_status choose_port(const struct dea_scene *scene, int k, struct 
     }
     if (source->amplified || port->resistance > 0.0 || zone->electrode_resistance > 0.0 || zone->sheet_resistance > 0.0)
         port->kind = DEA_PORT_SOURCE;
-    else if (scene->policies[DEA_EVENT_BREAKDOWN] == DEA_POLICY_SHORT && port->peak > 0.0)
-        return dea_fail(error, DEA_ERR_INPUT,
-                        "%s: events.breakdown: short needs a resistance in drive.%s or its electrode: an ideal source "
-                        "cannot feed a short",
-                        scene->path, dea_zone_names[k]);
-    return DEA_OK;
 }
 
 static unsigned watched_events(const struct dea_scene *scene) {
@@ -60,7 +53,7 @@ static enum dea_status create_plant(struct native_run *run, struct dea_error *er
         options.load_peak = dea_waveform_peak(&scene->load);
     options.load_peak += fabs(scene->devices[0].device.load);
     for (int k = 0; k < DEA_ZONES; k++)
-        DEA_TRY(choose_port(scene, k, &options.ports[k], error));
+        choose_port(scene, k, &options.ports[k]);
     DEA_TRY(dea_plant_create(&scene->devices[0].device, &options, &run->plant, error));
     DEA_TRY(dea_plant_watch(run->plant, watched_events(scene), error));
     char states[1024];

@@ -44,13 +44,11 @@ static enum dea_status read_source(const struct dea_node *node, const struct dea
         {.key = "amplifier", .kind = DEA_FIELD_READER, .read = read_amplifier},
     };
     DEA_TRY(dea_fields_read(node, "a source", fields, DEA_COUNT(fields), source, error));
-    const struct dea_node *limit =
-        source->amplified ? dea_node_get(dea_node_get(node, "amplifier"), "current_limit") : NULL;
-    bool series = source->resistance > 0 || (source->amplified && source->amplifier.output_resistance > 0) ||
-                  zone->electrode_resistance > 0 || zone->sheet_resistance > 0;
-    if (limit != NULL && !series)
-        return dea_node_fail(limit, error,
-                             "a current limit needs a resistance in series: give output_resistance, the source's "
+    bool series = source->resistance > 0 || source->amplifier.output_resistance > 0 || zone->electrode_resistance > 0 ||
+                  zone->sheet_resistance > 0;
+    if (source->amplified && !series)
+        return dea_node_fail(dea_node_get(node, "amplifier"), error,
+                             "an amplifier needs a resistance in series: give output_resistance, the source's "
                              "resistance or the electrode's");
     return DEA_OK;
 }

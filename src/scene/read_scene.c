@@ -153,6 +153,25 @@ static enum dea_status read_events(const struct dea_node *node, void *target, st
 
 /* ---- the whole ---- */
 
+/* A film that breaks down draws what its source can give; an ideal one has no limit. */
+static enum dea_status check_short(const struct dea_node *root, const struct dea_scene *scene,
+                                   struct dea_error *error) {
+    if (scene->policies[DEA_EVENT_BREAKDOWN] != DEA_POLICY_SHORT || scene->netlist != NULL)
+        return DEA_OK;
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct dea_zone *zone = &scene->devices[0].device.zones[k];
+        const struct dea_source *source = &scene->sources[k];
+        bool series = source->resistance > 0 || source->amplifier.output_resistance > 0 ||
+                      zone->electrode_resistance > 0 || zone->sheet_resistance > 0;
+        if (source->present && !series && dea_waveform_peak(&source->waveform) > 0)
+            return dea_node_fail(dea_node_get(dea_node_get(root, "events"), "breakdown"), error,
+                                 "a short needs a resistance in drive.%s or its electrode: an ideal source cannot "
+                                 "feed it",
+                                 dea_zone_names[k]);
+    }
+    return DEA_OK;
+}
+
 static enum dea_status check_scene(const struct dea_node *root, const struct dea_scene *scene,
                                    struct dea_error *error) {
     const struct dea_node *transient = dea_node_get(root, "transient");
@@ -165,7 +184,7 @@ static enum dea_status check_scene(const struct dea_node *root, const struct dea
     bool placed = scene->has_initial_x || scene->has_initial_v;
     if (placed && scene->device_count > 1)
         return dea_node_fail(dea_node_get(root, "initial"), error, "an initial x or v needs a single device");
-    return DEA_OK;
+    return check_short(root, scene, error);
 }
 
 static enum dea_status read_tree(const struct dea_node *root, struct dea_scene *scene, struct dea_error *error) {

@@ -37,7 +37,7 @@ jq -e >tested '.signals.x | .min <= .final and .final < .max and .t_max > 0.003 
 for signal in x v left.{voltage,port_voltage,charge,current,capacitance,true_field,stretch,tension,stress2} right.voltage; do
     jq -e >tested --arg s $signal '.signals[$s] | (has("min") and has("max") and has("final") and has("t_max"))' out
 done
-jq -e >tested '.measures == {} and .coupling == {"error": 0, "redone": 0}' out
+jq -e >tested '.measures == {} and .coupling.error == 0 and .coupling.redone == 0' out
 jq -e >tested '.energy | .in > 0 and .dissipated > 0 and .imbalance < 1e-3 and ((.in - .stored - .dissipated) / .in | fabs) < 1e-3' out
 jq -e >tested '.stats | .circuit_points == 0 and .circuit_rejected == 0 and .plant_steps > 50 and .residuals >= .plant_steps
     and .jacobians > 0 and .wall_s > 0 and .mode == "native"' out

@@ -210,8 +210,8 @@ static const struct bad_input {
     {"scene.yaml", "  left: {waveform: {type: dc, level: 3300 V}, resistance: 1 MOhm}", "  netlist: .",
      "scene.yaml:4:12: drive.netlist: cannot read .: it is a directory"},
     {"scene.yaml", ", resistance: 1 MOhm", ", amplifier: {current_limit: 1 mA}",
-     "scene.yaml:4:74: drive.left.amplifier.current_limit: a current limit needs a resistance in series: give "
-     "output_resistance, the source's resistance or the electrode's"},
+     "scene.yaml:4:58: drive.left.amplifier: an amplifier needs a resistance in series: give output_resistance, the "
+     "source's resistance or the electrode's"},
     {"scene.yaml", ", resistance: 1 MOhm", ", amplifier: {slew_rate: 0 V/us}",
      "scene.yaml:4:70: drive.left.amplifier.slew_rate: 0 V/s is not positive; allowed: 1 mV/s .. 1 TV/s"},
     {"scene.yaml", "{type: dc, level: 3300 V}", "{level: 3300 V}",
