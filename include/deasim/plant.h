@@ -4,6 +4,7 @@
 #define DEASIM_PLANT_H
 
 #include "deasim/film.h"
+#include "deasim/network.h"
 #include "deasim/report.h"
 #include "deasim/result.h"
 #include "deasim/waveform.h"
@@ -15,6 +16,7 @@ enum dea_port_kind {
     DEA_PORT_PASSIVE, /* no electrode */
     DEA_PORT_IDEAL,   /* voltage given, no resistance anywhere: no electrical state */
     DEA_PORT_SOURCE,  /* voltage source behind resistance or amplifier: the film charge is a state */
+    DEA_PORT_NETWORK, /* pins in a linear circuit that is solved along */
     DEA_PORT_CHARGE,  /* film charge given from outside (a circuit) as a cubic in time */
 };
 
@@ -30,6 +32,8 @@ struct dea_plant_options {
     double max_step;  /* s, 0: none */
     double load_peak; /* largest expected |load|, N, for scales */
     struct dea_plant_port ports[DEA_ZONES];
+    const struct dea_network *network; /* linear circuit of the network ports; NULL: none; must outlive the plant */
+    double settle_time;                /* with a network: length of the steps that find its rates after a corner, s */
 };
 
 /* Film charge over one circuit step: q(t) = c0 + c1 d + c2 d^2 + c3 d^3, d = t - start; C and s. */
@@ -41,8 +45,9 @@ struct dea_charge_piece {
 struct dea_plant_inputs {
     struct dea_piece source[DEA_ZONES]; /* V, for ideal and source ports */
     struct dea_charge_piece
-        charge[DEA_ZONES]; /* for charge ports; may change without a restart when q and q' continue */
-    struct dea_piece load; /* N, added to the device's constant load */
+        charge[DEA_ZONES];           /* for charge ports; may change without a restart when q and q' continue */
+    struct dea_piece load;           /* N, added to the device's constant load */
+    const struct dea_piece *network; /* per source of the network, V or A; owned by the caller */
 };
 
 /* Creates the DAE of a device; the device must outlive it. *plant is freed with dea_plant_destroy, also NULL. */

@@ -323,6 +323,27 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
     return DEA_OK;
 }
 
+enum dea_status dea_engine_list(struct dea_engine *engine, struct dea_listing *listing, struct dea_error *error) {
+    *listing = (struct dea_listing){0};
+    char command[] = "listing expand";
+    engine->listing = listing;
+    engine->listing_cut = false;
+    int failed = ngSpice_Command(command);
+    engine->listing = NULL;
+    if (engine->listing_cut)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit");
+    if (failed != 0 || listing->count == 0)
+        return dea_fail(error, DEA_ERR_SOLVER, "ngspice does not list the circuit");
+    return DEA_OK;
+}
+
+void dea_listing_clear(struct dea_listing *listing) {
+    for (int i = 0; i < listing->count; i++)
+        free(listing->lines[i]);
+    free(listing->lines);
+    *listing = (struct dea_listing){0};
+}
+
 enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, struct dea_error *error) {
     if (!(t > 0.0) || !(t < engine->options->stop))
         return DEA_OK; /* both ends are points anyway */

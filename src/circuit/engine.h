@@ -62,6 +62,12 @@ struct dea_engine_stats {
 
 struct dea_engine;
 
+/* The loaded circuit as ngspice sees it: subcircuits flattened, numbers put in, one element a line, lower case. */
+struct dea_listing {
+    char **lines; /* owned */
+    int count;
+};
+
 /* Starts ngspice in this process: C number locale, the system's code models, no .spiceinit of folder or home.
  * DEA_ERR_SOLVER when the library is unusable, DEA_ERR_INTERNAL when an engine exists already. */
 enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *error);
@@ -72,6 +78,10 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
                                 const struct dea_deck *deck, const struct dea_circuit_device *devices,
                                 const struct dea_deck_options *options, const struct dea_engine_callbacks *callbacks,
                                 struct dea_error *error);
+
+/* Reads the loaded circuit back. The caller clears the listing, also after a failure. */
+enum dea_status dea_engine_list(struct dea_engine *engine, struct dea_listing *listing, struct dea_error *error);
+void dea_listing_clear(struct dea_listing *listing);
 
 /* Points where external numbers jump: ngspice will land on them. After load, before run. */
 enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, struct dea_error *error);

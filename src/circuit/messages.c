@@ -1,5 +1,6 @@
 /* What ngspice says, sorted: chatter, warnings, errors, results of .measure. Its return codes say nothing. */
 #include "circuit/engine_internal.h"
+#include "circuit/netlist_internal.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -182,6 +183,23 @@ static bool hear_measure(struct dea_engine *engine, const char *text) {
 
 /* ---- entry ---- */
 
+/* "   12 : r1 a b 1k" of a listing. */
+static void hear_listing(struct dea_engine *engine, const char *text) {
+    size_t digits = strspn(text, "0123456789");
+    const char *element = text + digits + strspn(text + digits, " ");
+    if (digits == 0 || *element != ':')
+        return;
+    struct dea_listing *listing = engine->listing;
+    char **lines = dea_grow(listing->lines, listing->count, sizeof *lines);
+    if (lines != NULL)
+        listing->lines = lines;
+    char *copy = lines != NULL ? strdup(element + 1 + strspn(element + 1, " ")) : NULL;
+    if (copy == NULL)
+        engine->listing_cut = true;
+    else
+        listing->lines[listing->count++] = copy;
+}
+
 void dea_engine_hear(struct dea_engine *engine, const char *line) {
     struct dea_complaints *complaints = &engine->complaints;
     bool from_stderr = begins(line, "stderr ");
@@ -190,6 +208,10 @@ void dea_engine_hear(struct dea_engine *engine, const char *line) {
         text++;
     if (*text == '\0')
         return;
+    if (engine->listing != NULL) {
+        hear_listing(engine, text);
+        return;
+    }
     const char *singular = strstr(text, "check node");
     if (singular != NULL)
         snprintf(complaints->singular, sizeof complaints->singular, "%s",

@@ -104,6 +104,22 @@ static void describe_port(const struct dea_device *device, int k, struct dea_por
     };
 }
 
+enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,
+                                       struct dea_error *error) {
+    *devices = calloc((size_t)scene->device_count, sizeof **devices);
+    if (*devices == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d devices", scene->device_count);
+    for (int d = 0; d < scene->device_count; d++) {
+        const struct dea_device *device = &scene->devices[d].device;
+        int zones[DEA_ZONES];
+        (*devices)[d].name = scene->devices[d].name;
+        (*devices)[d].port_count = coupled_order_ports(device, zones);
+        for (int p = 0; p < (*devices)[d].port_count; p++)
+            describe_port(device, zones[p], &(*devices)[d].ports[p]);
+    }
+    return DEA_OK;
+}
+
 /* Voltage the device is meant for: its breakdown field over the resting film; without one, where Maxwell stress meets
  * the modulus. */
 static double expect_voltage(const struct dea_device *device) {
@@ -126,20 +142,12 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     const struct dea_scene *scene = run->scene;
     run->count = run->netlist->instance_count;
     size_t count = (size_t)run->count;
-    run->circuit_devices = calloc((size_t)scene->device_count, sizeof *run->circuit_devices);
     run->devices = calloc(count, sizeof *run->devices);
     run->observed = calloc(count, sizeof *run->observed);
     run->rest_voltages = calloc(count * DEA_ZONES, sizeof *run->rest_voltages);
-    if (run->circuit_devices == NULL || run->devices == NULL || run->observed == NULL || run->rest_voltages == NULL)
+    if (run->devices == NULL || run->observed == NULL || run->rest_voltages == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu devices", count);
-    for (int d = 0; d < scene->device_count; d++) {
-        const struct dea_device *device = &scene->devices[d].device;
-        int zones[DEA_ZONES];
-        run->circuit_devices[d].name = scene->devices[d].name;
-        run->circuit_devices[d].port_count = coupled_order_ports(device, zones);
-        for (int p = 0; p < run->circuit_devices[d].port_count; p++)
-            describe_port(device, zones[p], &run->circuit_devices[d].ports[p]);
-    }
+    DEA_TRY(cosim_describe_devices(scene, &run->circuit_devices, error));
     unsigned kinds = 0;
     for (int kind = 0; kind < DEA_EVENT_COUNT; kind++)
         if (scene->policies[kind] != DEA_POLICY_IGNORE)
@@ -153,7 +161,8 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
         run->observed[i] = (struct observed){run->devices[i].plant, device,
                                              run->count == 1 ? NULL
                                              : each_once     ? scene->devices[instance->device].name
-                                                             : instance->path};
+                                                             : instance->path,
+                                             true};
         run->slowest = fmax(run->slowest, natural_time(device));
         char states[1024];
         dea_report_detail(run->options->report, "%s: states: %s", instance->path,

@@ -3,12 +3,16 @@
 #define DEASIM_COSIM_COSIM_H
 
 #include "base/isolate.h"
-#include "circuit/netlist.h"
+#include "circuit/deck.h"
 #include "cosim/observer.h"
 
 /* Reads and vets the scene's netlist. Pin names and counts follow the scene's devices. */
 enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
                                    struct dea_error *error);
+
+/* Electrical side of the scene's devices, in their order; *devices is malloc'd. */
+enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,
+                                       struct dea_error *error);
 
 /* End of the run: the scene's, or the netlist's .tran. */
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,

@@ -1,30 +1,44 @@
-/* A device on native sources: one IDA problem, restarted only at the corners of the waveforms. */
+/* A device on native sources or in a linear circuit: one IDA problem, restarted only at the corners of the waveforms.
+ */
 #include "cosim/native.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* A punctured film conducts like a carbonised channel; only that it is small against any drive resistance matters. */
 #define SHORT_RESISTANCE 1e3 /* Ohm */
 
+/* Of the run's length: the two steps after a corner that find the rates of a circuit's unknowns. Far below any time
+ * constant that matters, far above the rounding of time. */
+#define SETTLE_RATIO 1e-10
+
 struct native_run {
     const struct dea_scene *scene;
+    const struct dea_network *network; /* NULL: native sources */
     const struct dea_run_options *options;
+    double stop; /* s */
     struct dea_plant *plant;
     struct dea_plant_inputs inputs;
+    struct dea_piece *pieces; /* owned; of the network's sources */
     struct observed observed;
     struct observer *observer;
 };
 
 /* ---- set-up ---- */
 
-static void choose_port(const struct dea_scene *scene, int k, struct dea_plant_port *port) {
+static void choose_port(const struct native_run *run, int k, struct dea_plant_port *port) {
+    const struct dea_scene *scene = run->scene;
     const struct dea_zone *zone = &scene->devices[0].device.zones[k];
     const struct dea_source *source = &scene->sources[k];
     *port = (struct dea_plant_port){.kind = DEA_PORT_PASSIVE};
     if (!zone->present || !zone->electroded)
         return;
+    if (run->network != NULL) {
+        *port = (struct dea_plant_port){.kind = DEA_PORT_NETWORK, .peak = run->network->peak};
+        return;
+    }
     port->kind = DEA_PORT_IDEAL; /* without a source the electrode is grounded */
     if (!source->present)
         return;
@@ -48,12 +62,15 @@ static unsigned watched_events(const struct dea_scene *scene) {
 
 static enum dea_status create_plant(struct native_run *run, struct dea_error *error) {
     const struct dea_scene *scene = run->scene;
-    struct dea_plant_options options = {.accuracy = scene->accuracy, .max_step = scene->max_step};
+    struct dea_plant_options options = {.accuracy = scene->accuracy,
+                                        .max_step = scene->max_step,
+                                        .network = run->network,
+                                        .settle_time = SETTLE_RATIO * run->stop};
     if (scene->has_load_waveform)
         options.load_peak = dea_waveform_peak(&scene->load);
     options.load_peak += fabs(scene->devices[0].device.load);
     for (int k = 0; k < DEA_ZONES; k++)
-        choose_port(scene, k, &options.ports[k]);
+        choose_port(run, k, &options.ports[k]);
     DEA_TRY(dea_plant_create(&scene->devices[0].device, &options, &run->plant, error));
     DEA_TRY(dea_plant_watch(run->plant, watched_events(scene), error));
     char states[1024];
@@ -71,10 +88,15 @@ static void set_inputs(struct native_run *run, double t) {
             dea_waveform_piece(&scene->sources[k].waveform, t, &run->inputs.source[k]);
     if (scene->has_load_waveform && !(run->inputs.load.end > t))
         dea_waveform_piece(&scene->load, t, &run->inputs.load);
+    for (size_t i = 0; run->network != NULL && i < run->network->source_count; i++)
+        if (!(run->pieces[i].end > t))
+            dea_waveform_piece(&run->network->sources[i].waveform, t, &run->pieces[i]);
 }
 
 static double next_corner(const struct native_run *run) {
-    double corner = run->scene->stop;
+    double corner = run->stop;
+    for (size_t i = 0; run->network != NULL && i < run->network->source_count; i++)
+        corner = fmin(corner, run->pieces[i].end);
     for (int k = 0; k < DEA_ZONES; k++)
         corner = fmin(corner, run->inputs.source[k].end);
     return fmin(corner, run->inputs.load.end);
@@ -122,6 +144,9 @@ static enum dea_status start_plant(struct native_run *run, struct dea_error *err
             (struct dea_piece){.kind = DEA_PIECE_LINE, .end = scene->sources[k].present ? -INFINITY : INFINITY};
     run->inputs.load =
         (struct dea_piece){.kind = DEA_PIECE_LINE, .end = scene->has_load_waveform ? -INFINITY : INFINITY};
+    for (size_t i = 0; run->network != NULL && i < run->network->source_count; i++)
+        run->pieces[i] = (struct dea_piece){.kind = DEA_PIECE_LINE, .end = -INFINITY};
+    run->inputs.network = run->pieces;
     set_inputs(run, -1.0);
     DEA_TRY(dea_plant_start(run->plant, 0.0, &run->inputs, scene->start,
                             scene->has_initial_x ? &scene->initial_x : NULL,
@@ -143,7 +168,7 @@ static enum dea_status turn_corner(struct native_run *run, double corner, struct
 static enum dea_status integrate(struct native_run *run, struct dea_error *error) {
     DEA_TRY(start_plant(run, error));
     double corner = 0.0;
-    while (corner < run->scene->stop) {
+    while (corner < run->stop) {
         DEA_TRY(turn_corner(run, corner, error));
         corner = next_corner(run);
         DEA_TRY(integrate_piece(run, corner, error));
@@ -151,15 +176,21 @@ static enum dea_status integrate(struct native_run *run, struct dea_error *error
     return DEA_OK;
 }
 
-enum dea_status run_native(const struct dea_scene *scene, const struct dea_run_options *options,
-                           const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
-    struct native_run run = {.scene = scene, .options = options};
+enum dea_status run_native(const struct dea_scene *scene, const struct dea_network *network, double stop,
+                           const struct dea_run_options *options, const struct row_sink *sink,
+                           struct dea_result *result, struct dea_error *error) {
+    struct native_run run = {.scene = scene, .network = network, .options = options, .stop = stop};
+    run.pieces = calloc(network != NULL ? network->source_count + 1 : 1, sizeof *run.pieces);
+    if (run.pieces == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit's sources");
     enum dea_status status = create_plant(&run, error);
     if (status == DEA_OK) {
-        run.observed = (struct observed){run.plant, &scene->devices[0].device, NULL};
+        run.observed = (struct observed){run.plant, &scene->devices[0].device, NULL, false};
         snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "%s",
-                 dea_plant_is_algebraic(run.plant) ? "static" : "native");
-        status = observer_open(scene, options, scene->stop, &run.observed, 1, sink, result, &run.observer, error);
+                 network != NULL                     ? "linear"
+                 : dea_plant_is_algebraic(run.plant) ? "static"
+                                                     : "native");
+        status = observer_open(scene, options, stop, &run.observed, 1, sink, result, &run.observer, error);
     }
     if (status == DEA_OK) {
         dea_report_begin(options->report);
@@ -171,5 +202,6 @@ enum dea_status run_native(const struct dea_scene *scene, const struct dea_run_o
             status = closed;
     }
     dea_plant_destroy(run.plant);
+    free(run.pieces);
     return status;
 }

@@ -86,7 +86,7 @@ static void name_signals(struct observer *o) {
                                       columns->true_field};
             for (size_t e = 0; e < sizeof electrical / sizeof electrical[0]; e++)
                 if (electrical[e] != ABSENT)
-                    o->foreign[electrical[e]] = o->scene->netlist != NULL;
+                    o->foreign[electrical[e]] = o->observed[d].coupled;
         }
     }
 }
@@ -283,7 +283,7 @@ static enum dea_status reserve_rows(struct observer *o, long sample, struct dea_
 
 enum dea_status observer_follow(struct observer *o, int device, double from, double to, struct dea_error *error) {
     (void)from;
-    bool alone = o->plant_count == 1 && o->scene->netlist == NULL;
+    bool alone = o->plant_count == 1 && !o->observed[0].coupled;
     for (double t = (double)o->reached[device] * o->sample; t <= to; t = (double)o->reached[device] * o->sample) {
         if (alone && o->reached[device] - o->next_sample >= ROWS_AT_A_TIME) { /* a step may hold millions of rows */
             DEA_TRY(observer_write(o, (double)(o->reached[device] - 1) * o->sample, error));

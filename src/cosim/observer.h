@@ -20,6 +20,7 @@ struct observed {
     struct dea_plant *plant;
     const struct dea_device *device;
     const char *name; /* goes before its signals, "DEB.left.voltage"; NULL: nothing, a single device */
+    bool coupled;     /* a circuit beside the plant knows the electrical values better: observer_note_port */
 };
 
 /* `observed` must outlive the observer. Fills result->signals, stats, events; all owned by the result. */

@@ -2,6 +2,7 @@
 #include "cosim/supervise.h"
 
 #include "cosim/cosim.h"
+#include "cosim/linear.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,6 +77,8 @@ static enum dea_status send_row(void *context, double t, const double *values, s
         child->result.t_end = t;
         status = send_result(child);
     }
+    if (status == DEA_OK && dea_channel_stop_requested(child->channel))
+        return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted", t);
     return status == DEA_OK ? DEA_OK : dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
 }
 
@@ -85,8 +88,13 @@ static enum dea_status run_child(struct dea_channel *channel, void *context, str
     child->checked = dea_clock();
     child->options->report->terminal = child->terminal;
     struct row_sink sink = {.context = child, .open = send_open, .row = send_row};
-    enum dea_status status =
-        cosim_run(child->scene, child->netlist, child->options, child->relaxed, &sink, channel, &child->result, error);
+    bool done = false;
+    enum dea_status status = child->relaxed == 0 ? run_linear(child->scene, child->netlist, child->options, &sink,
+                                                              &child->result, &done, error)
+                                                 : DEA_OK;
+    if (status == DEA_OK && !done)
+        status = cosim_run(child->scene, child->netlist, child->options, child->relaxed, &sink, channel, &child->result,
+                           error);
     if (child->result.signal_count > 0 && send_result(child) != DEA_OK && status >= 0)
         status = dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
     dea_result_clear(&child->result);

@@ -1,5 +1,6 @@
 /* The physics of a state: each zone's film, currents, the force on the platform, rates of change and of energy. */
 #include "plant/integrator.h"
+#include "plant/network.h"
 
 #include <math.h>
 
@@ -46,6 +47,11 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
         point->e = point->emf = dea_piece_value(&plant->inputs.source[k], t, &point->e_rate);
     } else if (zone->kind == DEA_PORT_CHARGE) {
         point->e = plant_charge_value(&plant->inputs.charge[k], t, &point->e_rate);
+    } else if (zone->kind == DEA_PORT_NETWORK) {
+        point->e = y[zone->charge] * plant->scale[zone->charge];
+        point->emf = plant_network_port_voltage(plant, k, y);
+        if (plant->rates_now != NULL)
+            point->e_rate = plant->rates_now[zone->charge] * plant->scale[zone->charge];
     } else if (zone->kind == DEA_PORT_SOURCE) {
         point->e = y[zone->charge] * plant->scale[zone->charge];
         point->emf = dea_piece_value(&plant->inputs.source[k], t, &point->emf_rate);
@@ -61,9 +67,9 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
                                   : "the right zone left the model (elastic limit, collapse or pull-in)";
         return DEA_RECOVERABLE;
     }
-    if (zone->kind == DEA_PORT_SOURCE || zone->kind == DEA_PORT_IDEAL)
+    if (zone->kind != DEA_PORT_PASSIVE && zone->kind != DEA_PORT_CHARGE)
         plant_leak_through_film(plant, k, point);
-    if (zone->kind == DEA_PORT_SOURCE)
+    if (zone->kind == DEA_PORT_SOURCE || (zone->kind == DEA_PORT_NETWORK && zone->resistive))
         plant_drive_current(plant, k, point);
     return DEA_OK;
 }
@@ -127,7 +133,7 @@ double plant_algebraic_rate(const struct dea_plant *plant, double t, const doubl
             continue;
         const struct zone_point *point = &plant->points[k];
         double side = device->zones[k].side, e_rate = point->e_rate;
-        if (zone->charge != ABSENT)
+        if (zone->kind == DEA_PORT_SOURCE || (zone->kind == DEA_PORT_NETWORK && zone->resistive))
             e_rate = rates[zone->charge] * plant->scale[zone->charge];
         by_x -= side * point->film.dpull_dx;
         by_time -= side * point->film.dpull_de * e_rate;
@@ -167,12 +173,19 @@ void plant_losses(const struct dea_plant *plant, double t, double x, double rate
             losses[LOSS_BRANCH] += device->zones[k].volume * point->branches[b].dissipation;
         if (zone->kind == DEA_PORT_PASSIVE)
             continue;
-        if (zone->kind == DEA_PORT_CHARGE) { /* leakage and R_e belong to the circuit */
+        if (zone->kind == DEA_PORT_CHARGE || zone->kind == DEA_PORT_NETWORK) {
             /* V dQ = d(Q V / 2) + V^2 dC / 2: slow, however fast a circuit makes the charge ring */
             double slope;
             dea_zone_capacitance(device, k, point->film.lam, &slope, NULL);
             losses[LOSS_WORK] +=
                 0.5 * point->film.voltage * point->film.voltage * slope * plant_stretch_rate(plant, k, rate_x);
+            if (zone->kind == DEA_PORT_CHARGE) /* leakage and R_e belong to the circuit */
+                continue;
+            double through = point->film.voltage * point->leak;
+            double across = zone->resistive ? (point->emf - point->film.voltage) * point->current : 0.0;
+            losses[LOSS_LEAKAGE] += through;
+            losses[LOSS_RESISTIVE] += across;
+            losses[LOSS_WORK] += through + across;
             continue;
         }
         double leaked = point->film.voltage * point->leak;

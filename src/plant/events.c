@@ -62,6 +62,7 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context) {
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
+    plant->rates_now = up;
     if (plant_evaluate(plant, t, u, plant_velocity(plant, u, up), false) != DEA_OK)
         return 1;
     for (int i = 0; i < plant->root_count; i++)

@@ -30,6 +30,10 @@ static int weigh(N_Vector y, N_Vector weights, void *context) {
     double *w = N_VGetArrayPointer(weights);
     for (int i = 0; i < plant->state_count; i++)
         w[i] = 1.0 / (plant->rtol * fmax(fabs(u[i]), plant->largest[i]));
+    if (plant->network != ABSENT) /* currents of voltage sources follow from the rest, without memory: not judged */
+        for (int i = 0; i < plant->network_count; i++)
+            if (plant->options.network->imposed[i])
+                w[plant->network + i] = 1e-12;
     return 0;
 }
 
@@ -136,6 +140,7 @@ void dea_plant_destroy(struct dea_plant *plant) {
     free(plant->scale);
     free(plant->largest);
     free(plant->slots);
+    free(plant->row_scale);
     free(plant);
 }
 
@@ -172,6 +177,11 @@ static double limit_step(const struct dea_plant *plant) {
     for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++)
         if (pieces[i]->kind != DEA_PIECE_LINE && pieces[i]->omega > 0.0)
             limit = fmin(limit, 0.25 * 2.0 * M_PI / pieces[i]->omega);
+    for (size_t i = 0; plant->network != ABSENT && i < plant->options.network->source_count; i++) {
+        const struct dea_piece *piece = &plant->inputs.network[i];
+        if (piece->kind != DEA_PIECE_LINE && piece->omega > 0.0)
+            limit = fmin(limit, 0.25 * 2.0 * M_PI / piece->omega);
+    }
     return limit;
 }
 
@@ -181,6 +191,7 @@ enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_err
     for (int i = 0; i < plant->state_count; i++)
         plant->largest[i] = fmax(fmax(plant->largest[i], EXPECTED_PART), fabs(y[i]));
     plant->integrating = false;
+    plant->restarted_at = plant->t;
     double step = limit_step(plant);
     bool good = IDAReInit(plant->ida, plant->t, plant->y, plant->yp) == IDA_SUCCESS;
     good = good && IDAQuadReInit(plant->ida, plant->quad) == IDA_SUCCESS;

@@ -1,7 +1,7 @@
 /* The analytic Jacobian dF/dy + cj dF/dy', written straight into the matrix: dense for few unknowns, compressed columns
  * and KLU for many. In the taut state branches meet only through x and the charge (an arrow); a slack film ties all
  * branches of its zone together through its natural stretch, so the sparse pattern has a taut and a slack form. */
-#include "plant/plant_internal.h"
+#include "plant/network.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -55,6 +55,8 @@ static void set_pattern(struct dea_plant *plant, bool slack, char *pattern) {
     for (int k = 0; k < DEA_ZONES; k++)
         if (plant->zones[k].present)
             mark_zone(plant, &plant->zones[k], pattern, slack);
+    if (plant->network != ABSENT)
+        plant_network_mark(plant, pattern, slack);
 
     sunindextype *pointers = plant->sparse ? SUNSparseMatrix_IndexPointers(plant->matrix) : NULL;
     sunindextype *rows = plant->sparse ? SUNSparseMatrix_IndexValues(plant->matrix) : NULL;
@@ -81,7 +83,12 @@ static void set_pattern(struct dea_plant *plant, bool slack, char *pattern) {
 /* Entries of the slack pattern, the larger one. */
 static sunindextype count_entries(const struct dea_plant *plant) {
     sunindextype states = 2 * plant->device->material.branch_count, n = plant->state_count;
-    return 4 * n + 4 + DEA_ZONES * (states * states + 5 * states + 8);
+    sunindextype circuit =
+        plant->network == ABSENT
+            ? 0
+            : (sunindextype)(plant->options.network->conductance_count + plant->options.network->capacitance_count) +
+                  DEA_ZONES * 2 * (states + 6);
+    return 4 * n + 4 + DEA_ZONES * (states * states + 5 * states + 8) + circuit;
 }
 
 enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *error) {
@@ -187,6 +194,9 @@ static void add_charge(const struct dea_plant *plant, int k, double *data, doubl
     int mover = plant->v != ABSENT ? plant->v : plant->x;
     add(plant, data, mover, zone->charge, force_weight(plant) * plant->device->zones[k].side * film->dpull_de);
 
+    if (zone->kind == DEA_PORT_NETWORK && !zone->resistive)
+        return; /* its row is a constraint, written with the circuit's */
+
     /* rate = current - leak, by voltage and stretch */
     double by_v = point->current_v - point->leak_v;
     double by_lam = point->current_lam - point->leak_lam + by_v * film->dvoltage_dlam;
@@ -212,6 +222,7 @@ int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vec
     struct dea_plant *plant = context;
     (void)residual, (void)tmp1, (void)tmp2, (void)tmp3;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
+    plant->rates_now = up;
     if (plant_evaluate(plant, t, u, plant_velocity(plant, u, up), true) != DEA_OK)
         return 1;
     if (follow_slack(plant) != 0)
@@ -231,5 +242,7 @@ int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vec
         if (plant->zones[k].amplifier != ABSENT)
             add_amplifier(plant, k, t, data, cj);
     }
+    if (plant->network != ABSENT)
+        plant_network_jacobian(plant, cj, data);
     return 0;
 }

@@ -1,5 +1,5 @@
 /* Which unknowns a scene needs, where they are, and how large they are expected to be. */
-#include "plant/plant_internal.h"
+#include "plant/network.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,10 +33,11 @@ static void lay_out_zone(const struct dea_device *device, struct zone_layout *zo
     zone->control = zone->kind == DEA_PORT_PASSIVE ? DEA_CONTROL_PASSIVE
                     : zone->kind == DEA_PORT_IDEAL ? DEA_CONTROL_VOLTAGE
                                                    : DEA_CONTROL_CHARGE;
-    if (zone->kind == DEA_PORT_SOURCE) {
+    zone->resistive = device->zones[index].electrode_resistance > 0.0 || device->zones[index].sheet_resistance > 0.0;
+    if (zone->kind == DEA_PORT_SOURCE)
         lay_out_amplifier(zone, port, count);
+    if (zone->kind == DEA_PORT_SOURCE || zone->kind == DEA_PORT_NETWORK)
         zone->charge = (*count)++;
-    }
 }
 
 /* Largest static displacement the drive can cause, one side at a time, m. */
@@ -92,7 +93,8 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     for (int k = 0; k < DEA_ZONES; k++) {
         const struct dea_plant_port *port = &plant->options.ports[k];
         lay_out_zone(device, &plant->zones[k], k, port, &count);
-        plant->charge_driven = plant->charge_driven || plant->zones[k].kind == DEA_PORT_CHARGE;
+        plant->charge_driven =
+            plant->charge_driven || plant->zones[k].kind == DEA_PORT_CHARGE || plant->zones[k].kind == DEA_PORT_NETWORK;
         if (plant->zones[k].kind == DEA_PORT_SOURCE && port->resistance <= 0.0 &&
             device->zones[k].electrode_resistance <= 0.0 && device->zones[k].sheet_resistance <= 0.0)
             return dea_fail(
@@ -101,6 +103,7 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
                 "or the electrode's resistance",
                 dea_zone_names[k]);
     }
+    DEA_TRY(plant_network_lay_out(plant, &count, error));
     plant->state_count = count;
     plant->scale = calloc((size_t)count, sizeof *plant->scale);
     plant->largest = calloc((size_t)count, sizeof *plant->largest);
@@ -114,6 +117,7 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d branches", branches);
     }
     set_scales(plant);
+    plant_network_scale(plant);
     return DEA_OK;
 }
 
@@ -134,6 +138,9 @@ const char *dea_plant_describe(const struct dea_plant *plant, char *buffer, int 
         if (zone->charge != ABSENT && used < size)
             used += snprintf(buffer + used, (size_t)(size - used), " Q");
     }
+    if (plant->network != ABSENT && used < size)
+        snprintf(buffer + used, (size_t)(size - used), " | circuit: %d nodes, %d branches",
+                 plant->options.network->node_count, plant->options.network->branch_count);
     return buffer;
 }
 

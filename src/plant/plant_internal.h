@@ -36,11 +36,12 @@ struct zone_layout {
     bool present;
     enum dea_port_kind kind;
     enum dea_control control;
-    int branch;    /* first of 2 branch_count states */
-    int charge;    /* film charge */
-    int amplifier; /* commanded voltage behind slew limit and pole */
-    double pole;   /* of the amplifier, rad/s */
-    double slew;   /* V/s */
+    bool resistive; /* an electrode resistance lies between the pins and the film */
+    int branch;     /* first of 2 branch_count states */
+    int charge;     /* film charge */
+    int amplifier;  /* commanded voltage behind slew limit and pole */
+    double pole;    /* of the amplifier, rad/s */
+    double slew;    /* V/s */
 };
 
 /* One zone evaluated at a state. Partial derivatives of the film current are at fixed charge/voltage and stretch. */
@@ -70,9 +71,12 @@ struct dea_plant {
     int state_count;
     bool charge_driven;                  /* some charge is imposed: its work needs the rate of the stretch */
     double *scale;                       /* SI per unit of each unknown */
+    int network, network_count;          /* first unknown of the linear circuit, ABSENT without; how many */
+    double *row_scale;                   /* of the circuit's rows, A or V */
     double short_conductance[DEA_ZONES]; /* S */
 
     /* scratch of the last evaluation */
+    const double *rates_now; /* scaled derivatives that go with the state being evaluated; NULL: none needed */
     struct zone_point points[DEA_ZONES];
     double force;            /* on the platform without damping, N */
     double force_x, force_v; /* its derivatives from load and stops, N/m, N s/m */
@@ -89,7 +93,8 @@ struct dea_plant {
     int *slots; /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
     bool sparse, slack_pattern;
     double t, t_previous;
-    bool integrating; /* IDA holds a valid history */
+    double restarted_at; /* s; the interpolant reaches back to here */
+    bool integrating;    /* IDA holds a valid history */
 
     /* events */
     int root_count;
@@ -142,6 +147,9 @@ double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x
 double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);
 
 /* jacobian.c */
+/* Loss rates at a state, evaluating it. */
+enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const double *y, double velocity,
+                                       double *losses);
 enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *error);
 int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector residual, SUNMatrix matrix,
                    void *context, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3);

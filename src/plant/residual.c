@@ -1,11 +1,12 @@
 /* IDA's residual and quadrature functions. */
-#include "plant/plant_internal.h"
+#include "plant/network.h"
 
 int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, void *context) {
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
     double *r = N_VGetArrayPointer(residual);
     double velocity = plant_velocity(plant, u, up);
+    plant->rates_now = up;
     if (plant_evaluate(plant, t, u, velocity, false) != DEA_OK)
         return 1;
 
@@ -17,20 +18,27 @@ int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, vo
     /* a massless, undamped platform: force balance, in units of the membrane's stiffness */
     if (plant->motion == MOTION_ALGEBRAIC)
         r[plant->x] = -plant->force / (plant->device->stiffness * plant->scale[plant->x]);
+    if (plant->network != ABSENT)
+        plant_network_residual(plant, t, u, up, r);
     return 0;
+}
+
+enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const double *y, double velocity,
+                                       double *losses) {
+    DEA_TRY(plant_evaluate(plant, t, y, velocity, plant->charge_driven));
+    if (plant->charge_driven && plant->motion == MOTION_ALGEBRAIC) {
+        double *state_rates = N_VGetArrayPointer(plant->rates);
+        plant_rates(plant, t, y, state_rates);
+        velocity = plant_algebraic_rate(plant, t, state_rates);
+    }
+    plant_losses(plant, t, y[plant->x] * plant->scale[plant->x], velocity, losses);
+    return DEA_OK;
 }
 
 int plant_quadrature(sunrealtype t, N_Vector y, N_Vector yp, N_Vector rates, void *context) {
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
-    double rate_x = plant_velocity(plant, u, up);
-    if (plant_evaluate(plant, t, u, rate_x, plant->charge_driven) != DEA_OK)
-        return 1;
-    if (plant->charge_driven && plant->motion == MOTION_ALGEBRAIC) {
-        double *state_rates = N_VGetArrayPointer(plant->rates);
-        plant_rates(plant, t, u, state_rates);
-        rate_x = plant_algebraic_rate(plant, t, state_rates);
-    }
-    plant_losses(plant, t, u[plant->x] * plant->scale[plant->x], rate_x, N_VGetArrayPointer(rates));
-    return 0;
+    plant->rates_now = up;
+    return plant_quadrature_rates(plant, t, u, plant_velocity(plant, u, up), N_VGetArrayPointer(rates)) == DEA_OK ? 0
+                                                                                                                  : 1;
 }

@@ -64,7 +64,7 @@ void dea_plant_signal(const struct dea_plant *plant, int index, struct dea_signa
 /* Unknowns at a time within the last step: IDA's interpolant, or the state itself right after a restart. */
 static enum dea_status interpolate(struct dea_plant *plant, double t, const double **y, const double **yp,
                                    const double **quad, struct dea_error *error) {
-    if (!plant->integrating || t == plant->t) {
+    if (!plant->integrating || t == plant->t || t < plant->restarted_at) {
         *y = N_VGetArrayPointer(plant->y);
         *yp = N_VGetArrayPointer(plant->yp);
         *quad = N_VGetArrayPointer(plant->quad);
@@ -74,7 +74,8 @@ static enum dea_status interpolate(struct dea_plant *plant, double t, const doub
         IDAGetQuadDky(plant->ida, t, 0, plant->sample_quad) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s is outside the last step %.17g .. %.17g s", t,
                         plant->t_previous, plant->t);
-    if (plant->motion == MOTION_VISCOUS && IDAGetDky(plant->ida, t, 1, plant->sample_yp) != IDA_SUCCESS)
+    if ((plant->motion == MOTION_VISCOUS || plant->network != ABSENT) &&
+        IDAGetDky(plant->ida, t, 1, plant->sample_yp) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no derivative", t);
     *y = N_VGetArrayPointer(plant->sample_y);
     *yp = N_VGetArrayPointer(plant->sample_yp);
@@ -95,9 +96,11 @@ static enum dea_status fill_zone(struct dea_plant *plant, int k, double *values)
     values[ZONE_CHARGE] = film->charge;
     values[ZONE_CAPACITANCE] = film->capacitance;
     values[ZONE_FIELD] = dea_zone_field(device, film->voltage, film->lam);
-    values[ZONE_CURRENT] = plant->zones[k].kind == DEA_PORT_SOURCE ? point->current : point->leak + point->charge_rate;
+    const struct zone_layout *zone = &plant->zones[k];
+    bool through = zone->kind == DEA_PORT_SOURCE || (zone->kind == DEA_PORT_NETWORK && zone->resistive);
+    values[ZONE_CURRENT] = through ? point->current : point->leak + point->charge_rate;
     values[ZONE_PORT_VOLTAGE] = film->voltage;
-    if (plant->zones[k].kind == DEA_PORT_SOURCE)
+    if (through)
         values[ZONE_PORT_VOLTAGE] += point->current * dea_zone_resistance(device, k, film->lam, NULL);
     return DEA_OK;
 }
@@ -125,6 +128,7 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
     for (int k = 0; k < DEA_ZONES; k++)
         ideal = ideal || (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_IDEAL);
     *velocity = plant_velocity(plant, y, yp);
+    plant->rates_now = yp;
     DEA_TRY(plant_evaluate(plant, t, y, *velocity, ideal || plant->motion == MOTION_ALGEBRAIC));
     if (plant->motion == MOTION_ALGEBRAIC) {
         double *rates = N_VGetArrayPointer(plant->rates);
@@ -135,7 +139,7 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
         struct zone_point *point = &plant->points[k];
         if (!plant->zones[k].present)
             continue;
-        if (plant->zones[k].kind == DEA_PORT_CHARGE)
+        if (plant->zones[k].kind == DEA_PORT_CHARGE || plant->zones[k].kind == DEA_PORT_NETWORK)
             point->charge_rate = point->e_rate;
         if (plant->zones[k].kind != DEA_PORT_IDEAL)
             continue;
@@ -193,7 +197,7 @@ void plant_imposed_energy(const struct dea_plant *plant, double t, double x, dou
         const struct dea_film *film = &plant->points[k].film;
         if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_IDEAL)
             imposed[0] += film->charge * film->voltage;
-        else if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_CHARGE)
+        else if (plant->zones[k].present && plant->charge_driven && plant->zones[k].kind != DEA_PORT_PASSIVE)
             imposed[0] += 0.5 * film->charge * film->voltage;
     }
     imposed[1] = dea_piece_value(&plant->inputs.load, t, NULL) * x;

@@ -1,9 +1,12 @@
 /* Consistent states: the static start, and restarts where inputs jump. Closed forms give every derivative, so IDACalcIC
  * and its guesses are not needed. */
 #include "plant/integrator.h"
+#include "plant/network.h"
 
 #include <math.h>
 #include <string.h>
+
+#define MAX_REST_ROUNDS 100 /* of operating point and leakage */
 
 /* ---- the start ---- */
 
@@ -58,7 +61,7 @@ static enum dea_status rest_force(void *context, double x, double *force) {
         struct zone_point *point = &plant->points[k];
         if (!zone->present)
             continue;
-        if (zone->kind == DEA_PORT_CHARGE && task->voltages != NULL) {
+        if ((zone->kind == DEA_PORT_CHARGE || zone->kind == DEA_PORT_NETWORK) && task->voltages != NULL) {
             DEA_TRY(dea_film_respond(device, k, DEA_CONTROL_VOLTAGE, x, task->voltages[k], point->states, false,
                                      point->branches, &task->films[k]));
         } else if (zone->kind == DEA_PORT_SOURCE) {
@@ -162,6 +165,10 @@ static enum dea_status derive_rates(struct dea_plant *plant, double t) {
 }
 
 static enum dea_status make_consistent(struct dea_plant *plant, struct dea_error *error) {
+    if (plant->network != ABSENT) {
+        DEA_TRY(plant_network_settle(plant, error));
+        return plant_restart_integrator(plant, error);
+    }
     if (balance_platform(plant, plant->t) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: no equilibrium of the massless platform: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "the forces do not balance anywhere");
@@ -207,6 +214,36 @@ enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double vol
     return DEA_OK;
 }
 
+/* Device at rest and operating point of its circuit together: the film voltages are those the circuit gives when the
+ * films draw their leakage, which depends on them. */
+static enum dea_status rest_with_network(struct rest_task *task, const double *x, double *position,
+                                         struct dea_error *error) {
+    struct dea_plant *plant = task->plant;
+    double drawn[DEA_ZONES] = {0.0, 0.0}, pins[DEA_ZONES], films[DEA_ZONES];
+    task->voltages = films;
+    for (int round = 0; round < MAX_REST_ROUNDS; round++) {
+        double change = 0.0;
+        DEA_TRY(plant_network_rest(plant, task->t, drawn, pins, error));
+        for (int k = 0; k < DEA_ZONES; k++)
+            films[k] =
+                pins[k] - (plant->zones[k].resistive
+                               ? drawn[k] * dea_zone_resistance(plant->device, k, plant->device->prestretch[0], NULL)
+                               : 0.0);
+        DEA_TRY(find_rest(task, x, position, error));
+        for (int k = 0; k < DEA_ZONES; k++) {
+            if (!plant->zones[k].present || plant->zones[k].kind != DEA_PORT_NETWORK)
+                continue;
+            double leak = dea_zone_leakage(plant->device, k, task->films[k].lam, films[k], NULL, NULL);
+            change = fmax(change, fabs(leak - drawn[k]) / fmax(fabs(leak), 1e-18));
+            drawn[k] = leak;
+        }
+        if (change < 1e-12)
+            return DEA_OK;
+    }
+    return dea_fail(error, DEA_ERR_SOLVER,
+                    "the operating point of circuit and leaking films was not found in %d rounds", MAX_REST_ROUNDS);
+}
+
 enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct dea_plant_inputs *inputs,
                                 enum dea_start start, const double *x, const double *v, struct dea_error *error) {
     plant->inputs = *inputs;
@@ -214,10 +251,18 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
     plant->t = plant->t_previous = t;
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
     double position;
-    DEA_TRY(find_rest(&task, x, &position, error));
-    store_rest(plant, &task, position, v != NULL ? *v : 0.0);
     N_VConst(0.0, plant->quad);
-    DEA_TRY(make_consistent(plant, error));
+    N_VConst(0.0, plant->yp);
+    plant->rates_now = N_VGetArrayPointer(plant->yp);
+    if (plant->network != ABSENT)
+        DEA_TRY(rest_with_network(&task, x, &position, error));
+    else
+        DEA_TRY(find_rest(&task, x, &position, error));
+    store_rest(plant, &task, position, v != NULL ? *v : 0.0);
+    if (plant->network == ABSENT)
+        DEA_TRY(make_consistent(plant, error));
+    else if (plant_evaluate(plant, t, N_VGetArrayPointer(plant->y), 0.0, true) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "the start is outside the model");
     return plant_open_books(plant, error);
 }
 
