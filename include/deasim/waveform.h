@@ -70,6 +70,10 @@ double dea_waveform_value(const struct dea_waveform *waveform, double t);
 /* Largest |value| the waveform can take, for scales; a bound for sines and chirps, exact for the others. */
 double dea_waveform_peak(const struct dea_waveform *waveform);
 
+/* How many periods the waveform runs through from 0 to `stop` (s), at the highest frequency of a chirp; 0 when it does
+ * not repeat. */
+double dea_waveform_periods(const struct dea_waveform *waveform, double stop);
+
 /* Reads a CSV waveform: header "time [unit], value [unit]" (any name for the value), then rows of two numbers. Lines
  * that start with # are comments. Fills a pwl waveform in SI; two rows of equal time are a jump. Messages name
  * file:line. Refused: missing unit, unit that does not convert to s or to value_unit, fewer than two rows, times that

@@ -214,6 +214,18 @@ double dea_waveform_peak(const struct dea_waveform *waveform) {
     }
 }
 
+double dea_waveform_periods(const struct dea_waveform *waveform, double stop) {
+    if (waveform->kind == DEA_WAVE_DC)
+        return 0;
+    if (waveform->kind == DEA_WAVE_SINE)
+        return fmax(stop - waveform->delay, 0) * waveform->frequency;
+    if (waveform->kind == DEA_WAVE_CHIRP)
+        return fmax(stop - waveform->delay, 0) * fmax(waveform->frequency, waveform->frequency_end);
+    struct shape shape;
+    shape_from_waveform(waveform, &shape);
+    return shape.period > 0 ? fmax(stop - corner_time(&shape, 0, 0), 0) / shape.period : 0;
+}
+
 void dea_waveform_clear(struct dea_waveform *waveform) {
     free(waveform->times);
     free(waveform->values);

@@ -1,6 +1,7 @@
 /* Scene files: everything a run needs, checked. */
 #include "scene/readers.h"
 
+#include "deasim/quantity.h"
 #include "scene/compose.h"
 
 #include <ctype.h>
@@ -11,6 +12,7 @@
 #include <strings.h>
 
 #define MAX_DEVICES 64
+#define MAX_PERIODS 1e8        /* of a waveform within a run */
 #define LONGEST_DEVICE_NAME 31 /* so that "NAME.left.port_voltage" stays short */
 
 const char *const dea_event_names[DEA_EVENT_COUNT] = {"breakdown", "slack", "stress2", "limit", "stability", "stop"};
@@ -172,6 +174,44 @@ static enum dea_status check_short(const struct dea_node *root, const struct dea
     return DEA_OK;
 }
 
+/* Every zone must keep some length. */
+static enum dea_status check_initial_position(const struct dea_node *root, const struct dea_scene *scene,
+                                              struct dea_error *error) {
+    for (int k = 0; k < DEA_ZONES && scene->has_initial_x; k++) {
+        const struct dea_zone *zone = &scene->devices[0].device.zones[k];
+        char x[40], length[40];
+        if (zone->present && !(zone->length + zone->side * scene->initial_x > 0))
+            return dea_node_fail(dea_node_get(dea_node_get(root, "initial"), "x"), error,
+                                 "%s leaves the %s zone no length; it has %s at x = 0",
+                                 dea_quantity_format(scene->initial_x, "m", x, sizeof x), dea_zone_names[k],
+                                 dea_quantity_format(zone->length, "m", length, sizeof length));
+    }
+    return DEA_OK;
+}
+
+/* A run has to follow every period of a source, so there must be an end of them. */
+static enum dea_status check_periods(const struct dea_node *place, const struct dea_waveform *waveform, double stop,
+                                     struct dea_error *error) {
+    double count = dea_waveform_periods(waveform, stop);
+    if (count > MAX_PERIODS)
+        return dea_node_fail(place, error, "%.3g periods in the run; at most %g are allowed (is the unit right?)",
+                             count, MAX_PERIODS);
+    return DEA_OK;
+}
+
+static enum dea_status check_waveforms(const struct dea_node *root, const struct dea_scene *scene,
+                                       struct dea_error *error) {
+    const struct dea_node *drive = dea_node_get(root, "drive");
+    for (int k = 0; k < DEA_ZONES; k++) {
+        const struct dea_node *source = dea_node_get(drive, dea_zone_names[k]);
+        if (source != NULL)
+            DEA_TRY(check_periods(dea_node_get(source, "waveform"), &scene->sources[k].waveform, scene->stop, error));
+    }
+    if (scene->has_load_waveform)
+        DEA_TRY(check_periods(dea_node_get(root, "load"), &scene->load, scene->stop, error));
+    return DEA_OK;
+}
+
 static enum dea_status check_scene(const struct dea_node *root, const struct dea_scene *scene,
                                    struct dea_error *error) {
     const struct dea_node *transient = dea_node_get(root, "transient");
@@ -184,6 +224,8 @@ static enum dea_status check_scene(const struct dea_node *root, const struct dea
     bool placed = scene->has_initial_x || scene->has_initial_v;
     if (placed && scene->device_count > 1)
         return dea_node_fail(dea_node_get(root, "initial"), error, "an initial x or v needs a single device");
+    DEA_TRY(check_initial_position(root, scene, error));
+    DEA_TRY(check_waveforms(root, scene, error));
     return check_short(root, scene, error);
 }
 

@@ -140,6 +140,13 @@ refused "cannot read nowhere.cir: No such file or directory" --set 'drive={netli
 refused "it is a directory" --set "drive={netlist: $ROOT}"
 refused "unit 'V' is not that of a force" --set 'load={type: dc, level: 5 V}'
 
+refused "7.5e+08 periods in the run; at most 1e+08 are allowed" \
+    --set 'drive.left.waveform={type: pulse, high: 1 kV, width: 1 ps, period: 4 ps, delay: 2 ms}'
+refused "5e+09 periods in the run" --set 'transient.stop=5 s' --set 'drive.left.waveform={type: sine, amplitude: 1 kV, frequency: 1 GHz}'
+refused "periods in the run" --set 'load={type: pwl, points: [[0 s, 0 N], [1 fs, 1 N]], repeat: true}'
+refused "initial.x: 4 mm leaves the right zone no length; it has 4 mm at x = 0" --set 'initial={x: 4 mm}'
+refused "initial.x: -1 m leaves the left zone no length; it has 4 mm at x = 0" --set 'initial={x: -1 m}'
+
 # ---- waveform files ----
 csv() { # MESSAGE, the file on stdin
     cat >wave.csv

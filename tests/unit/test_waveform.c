@@ -436,6 +436,30 @@ static void test_check_points(void **state) {
     check_refuses(&w, "pwl: value of point 2 is nan; a finite number up to 1e+30 is needed");
 }
 
+static void test_periods(void **state) {
+    (void)state;
+    double times[] = {1, 3}, values[] = {0, 5};
+    struct dea_waveform pulse = {.kind = DEA_WAVE_PULSE, .high = 1, .width = 1, .delay = 2, .period = 4};
+    assert_equal(dea_waveform_periods(&pulse, 10), 2);
+    assert_equal(dea_waveform_periods(&pulse, 1), 0);
+    pulse.period = 0;
+    assert_equal(dea_waveform_periods(&pulse, 10), 0);
+    struct dea_waveform trapezoid = {.kind = DEA_WAVE_TRAPEZOID, .rise = 1, .width = 2, .fall = 1, .gap = 4};
+    assert_equal(dea_waveform_periods(&trapezoid, 16), 0);
+    trapezoid.repeat = true;
+    assert_equal(dea_waveform_periods(&trapezoid, 16), 2);
+    struct dea_waveform points = {.kind = DEA_WAVE_PWL, .times = times, .values = values, .point_count = 2};
+    assert_equal(dea_waveform_periods(&points, 9), 0);
+    points.repeat = true;
+    assert_equal(dea_waveform_periods(&points, 9), 4);
+    struct dea_waveform sine = {.kind = DEA_WAVE_SINE, .frequency = 50, .delay = 1};
+    assert_equal(dea_waveform_periods(&sine, 2), 50);
+    struct dea_waveform chirp = {.kind = DEA_WAVE_CHIRP, .frequency = 50, .frequency_end = 5, .duration = 1};
+    assert_equal(dea_waveform_periods(&chirp, 2), 100);
+    struct dea_waveform dc = {.kind = DEA_WAVE_DC};
+    assert_equal(dea_waveform_periods(&dc, 1e8), 0);
+}
+
 static void test_clear(void **state) {
     (void)state;
     struct dea_waveform w = {.kind = DEA_WAVE_PWL, .times = malloc(8), .values = malloc(8), .point_count = 1};
@@ -454,7 +478,7 @@ int main(void) {
         cmocka_unit_test(test_pieces_move_on), cmocka_unit_test(test_one_point_is_a_level),
         cmocka_unit_test(test_long_walk),      cmocka_unit_test(test_far_times),
         cmocka_unit_test(test_check_messages), cmocka_unit_test(test_check_points),
-        cmocka_unit_test(test_clear),
+        cmocka_unit_test(test_periods),        cmocka_unit_test(test_clear),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
