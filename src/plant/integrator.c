@@ -289,6 +289,13 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
     const char *earlier = plant->trouble;
     plant->trouble = NULL;
     int flag = IDASolve(plant->ida, limit, &reached, plant->y, plant->yp, IDA_ONE_STEP);
+    if (flag == IDA_ILL_INPUT && plant->root_count > 0 && plant->integrating) {
+        /* a root right after the last one (an extreme that just touches a limit): IDA wants a fresh start from here */
+        DEA_TRY(plant_restart_integrator(plant, error));
+        if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
+            return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);
+        flag = IDASolve(plant->ida, limit, &reached, plant->y, plant->yp, IDA_ONE_STEP);
+    }
     if (plant->trouble != NULL)
         plant->trouble_t = reached;
     else
