@@ -156,7 +156,8 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     for (int i = 0; i < run->count; i++) {
         const struct dea_netlist_instance *instance = &run->netlist->instances[i];
         const struct dea_device *device = &scene->devices[instance->device].device;
-        DEA_TRY(coupled_create(&run->devices[i], device, PLANT_SHARE * scene->accuracy, expect_voltage(device), error));
+        DEA_TRY(coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL,
+                               PLANT_SHARE * scene->accuracy, expect_voltage(device), error));
         DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
         run->observed[i] = (struct observed){run->devices[i].plant, device,
                                              run->count == 1 ? NULL
@@ -247,6 +248,11 @@ static void limit_step(void *context, double t, double *delta) {
     if (t + *delta > run->exchanged_at + run->horizon && t > run->exchanged_at && t <= run->reached)
         keep_failure(run, exchange_all(run));
     *delta = fmin(*delta, fmax(run->exchanged_at + run->horizon - t, 0.1 * run->horizon));
+    for (int i = 0; i < run->count; i++) { /* land on the load's corners */
+        double corner = coupled_next_corner(&run->devices[i]);
+        if (t < corner && t + *delta > corner && corner - t > run->stop * MIN_HORIZON_RATIO)
+            *delta = corner - t;
+    }
 }
 
 /* One round of the search for the operating point: how far are the film voltages from those the devices rest at? */

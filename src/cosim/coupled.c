@@ -17,10 +17,11 @@ int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
     return count;
 }
 
-enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
-                               struct dea_error *error) {
-    *coupled = (struct coupled){.device = device, .told_at = NAN};
-    struct dea_plant_options options = {.accuracy = accuracy, .load_peak = fabs(device->load)};
+enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
+                               const struct dea_waveform *load, double accuracy, double peak, struct dea_error *error) {
+    *coupled = (struct coupled){.device = device, .load = load, .told_at = NAN};
+    struct dea_plant_options options = {
+        .accuracy = accuracy, .load_peak = fabs(device->load) + (load != NULL ? dea_waveform_peak(load) : 0.0)};
     coupled->port_count = coupled_order_ports(device, coupled->zones);
     for (int p = 0; p < coupled->port_count; p++)
         options.ports[coupled->zones[p]] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = peak};
@@ -91,14 +92,29 @@ static enum dea_status look_ahead(struct coupled *coupled, double horizon, struc
     return DEA_OK;
 }
 
+/* The load's piece after t in force. */
+static enum dea_status turn_load(struct coupled *coupled, double t, struct dea_error *error) {
+    dea_waveform_piece(coupled->load, t, &coupled->inputs.load);
+    return dea_plant_restart(coupled->plant, &coupled->inputs, error);
+}
+
+double coupled_next_corner(const struct coupled *coupled) {
+    return coupled->load != NULL ? coupled->inputs.load.end : INFINITY;
+}
+
 enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
                              const double *x, const double *v, struct dea_error *error) {
-    struct dea_plant_inputs inputs = {.load = {.kind = DEA_PIECE_LINE, .end = INFINITY}};
+    struct dea_plant_inputs *inputs = &coupled->inputs;
+    *inputs = (struct dea_plant_inputs){.load = {.kind = DEA_PIECE_LINE, .end = INFINITY}};
+    if (coupled->load != NULL) /* what it was before t = 0 */
+        dea_waveform_piece(coupled->load, -1.0, &inputs->load);
     double voltages[DEA_ZONES] = {0.0, 0.0};
     for (int p = 0; p < coupled->port_count; p++)
         voltages[coupled->zones[p]] = film_voltages[p];
-    DEA_TRY(dea_plant_rest_charges(coupled->plant, voltages, start, x, &inputs, error));
-    DEA_TRY(dea_plant_start(coupled->plant, 0.0, &inputs, start, x, v, error));
+    DEA_TRY(dea_plant_rest_charges(coupled->plant, voltages, start, x, inputs, error));
+    DEA_TRY(dea_plant_start(coupled->plant, 0.0, inputs, start, x, v, error));
+    if (coupled->load != NULL)
+        DEA_TRY(turn_load(coupled, 0.0, error));
     DEA_TRY(look_ahead(coupled, 1e-6, error));
     for (int k = 0; k < DEA_ZONES; k++)
         coupled->rest_stretch[k] = dea_outlook_stretch(coupled->device, &coupled->outlook, k, 0.0);
@@ -228,8 +244,13 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
                                     struct exchange *exchange, struct dea_error *error) {
     while (dea_plant_time(coupled->plant) < end) {
         struct dea_step step;
-        DEA_TRY(dea_plant_step(coupled->plant, end, &step, error));
+        double corner = coupled_next_corner(coupled);
+        DEA_TRY(dea_plant_step(coupled->plant, fmin(end, corner), &step, error));
         DEA_TRY(observer_follow(observer, index, step.from, step.to, error));
+        if (step.to >= corner) {
+            DEA_TRY(turn_load(coupled, corner, error));
+            observer_break(observer);
+        }
         if (!step.root)
             continue;
         int zone;
@@ -257,8 +278,10 @@ enum dea_status coupled_exchange(struct coupled *coupled, int index, double hori
     for (size_t first = 0; first < last && exchange->policy != DEA_POLICY_STOP;) {
         struct dea_charge_piece pieces[DEA_ZONES];
         size_t next = fit_pieces(coupled, first, fit_tolerance, pieces);
-        for (int p = 0; p < coupled->port_count; p++)
+        for (int p = 0; p < coupled->port_count; p++) {
+            coupled->inputs.charge[coupled->zones[p]] = pieces[p];
             dea_plant_set_charge(coupled->plant, coupled->zones[p], &pieces[p]);
+        }
         DEA_TRY(follow_piece(coupled, index, coupled->windows[0].points[next].t, observer, exchange, error));
         first = next;
     }

@@ -10,6 +10,8 @@
 struct coupled {
     const struct dea_device *device;
     struct dea_plant *plant;
+    const struct dea_waveform *load; /* NULL: only the device's constant load */
+    struct dea_plant_inputs inputs;  /* in force */
     int port_count;
     int zones[DEA_ZONES];             /* zone of each port */
     struct window windows[DEA_ZONES]; /* per port */
@@ -31,13 +33,16 @@ struct coupled {
 int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]);
 
 /* Creates the plant with one charge port per electroded zone. */
-enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device, double accuracy, double peak,
-                               struct dea_error *error);
+enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
+                               const struct dea_waveform *load, double accuracy, double peak, struct dea_error *error);
 void coupled_clear(struct coupled *coupled);
 
 /* Rests the device at these film voltages (per port): start state and outlook. */
 enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
                              const double *x, const double *v, struct dea_error *error);
+
+/* Next corner of the load after the plant's time, s; INFINITY without one. */
+double coupled_next_corner(const struct coupled *coupled);
 
 /* What the circuit asks at time t. */
 double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t);
