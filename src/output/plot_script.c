@@ -146,7 +146,7 @@ static void write_plot_command(const struct dea_table *table, const struct dea_p
         }
     if (limit > 0.0)
         fprintf(script, "%s%s with lines lw 1.5 dt (10,6) lc rgb '#B00020' title 'breakdown %.4g V/µm%s'", separator,
-                limit_inside ? "limit" : "NaN", limit * 1e-6, limit_inside ? "" : " (above the picture)");
+                limit_inside ? "limit" : "NaN", limit * 1e-6, limit_inside ? "" : ", off scale");
     if (panel->left_out > 0)
         fprintf(script, "%sNaN with lines lc rgb '#FFFFFF' title 'and %d more'", separator, panel->left_out);
     fputc('\n', script);

@@ -63,7 +63,7 @@ static void limit_is_drawn_or_mentioned(void **state) {
     caption.limits[0].value = 1e9;
     script = script_of(csv, &caption);
     assert_non_null(strstr(script, "NaN with lines"));
-    assert_non_null(strstr(script, "title 'breakdown 1000 V/µm (above the picture)'"));
+    assert_non_null(strstr(script, "title 'breakdown 1000 V/µm, off scale'"));
     assert_non_null(strstr(script, "set yrange [-5.4:95.4]\n"));
     free(script);
     snprintf(caption.limits[0].signal, sizeof caption.limits[0].signal, "right.true_field");
