@@ -174,9 +174,9 @@ static enum dea_status check_short(const struct dea_node *root, const struct dea
     return DEA_OK;
 }
 
-/* Every zone must keep some length. */
-static enum dea_status check_initial_position(const struct dea_node *root, const struct dea_scene *scene,
-                                              struct dea_error *error) {
+/* Every zone must keep some length; only a mass can have been thrown. */
+static enum dea_status check_initial(const struct dea_node *root, const struct dea_scene *scene,
+                                     struct dea_error *error) {
     for (int k = 0; k < DEA_ZONES && scene->has_initial_x; k++) {
         const struct dea_zone *zone = &scene->devices[0].device.zones[k];
         char x[40], length[40];
@@ -186,6 +186,9 @@ static enum dea_status check_initial_position(const struct dea_node *root, const
                                  dea_quantity_format(scene->initial_x, "m", x, sizeof x), dea_zone_names[k],
                                  dea_quantity_format(zone->length, "m", length, sizeof length));
     }
+    if (scene->has_initial_v && scene->initial_v != 0 && !(scene->devices[0].device.effective_mass > 0))
+        return dea_node_fail(dea_node_get(dea_node_get(root, "initial"), "v"), error,
+                             "has no effect: platform and membrane have no mass");
     return DEA_OK;
 }
 
@@ -224,7 +227,7 @@ static enum dea_status check_scene(const struct dea_node *root, const struct dea
     bool placed = scene->has_initial_x || scene->has_initial_v;
     if (placed && scene->device_count > 1)
         return dea_node_fail(dea_node_get(root, "initial"), error, "an initial x or v needs a single device");
-    DEA_TRY(check_initial_position(root, scene, error));
+    DEA_TRY(check_initial(root, scene, error));
     DEA_TRY(check_waveforms(root, scene, error));
     return check_short(root, scene, error);
 }

@@ -147,6 +147,9 @@ refused "periods in the run" --set 'load={type: pwl, points: [[0 s, 0 N], [1 fs,
 refused "initial.x: 4 mm leaves the right zone no length; it has 4 mm at x = 0" --set 'initial={x: 4 mm}'
 refused "initial.x: -1 m leaves the left zone no length; it has 4 mm at x = 0" --set 'initial={x: -1 m}'
 
+refused "initial.v: has no effect: platform and membrane have no mass" --set 'initial={v: 1 m/s}' \
+    --set device.platform.mass=0 --set device.options.membrane_mass=false
+
 # ---- waveform files ----
 csv() { # MESSAGE, the file on stdin
     cat >wave.csv
