@@ -136,6 +136,10 @@ void dea_plant_signal(const struct dea_plant *plant, int index, struct dea_signa
 /* Signals at time t within the last step (or at its end). */
 enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *values, struct dea_error *error);
 
+/* The unknowns of the linear circuit (V, then A) at time t within the last step, and the platform's position (m). */
+enum dea_status dea_plant_network(struct dea_plant *plant, double t, double *unknowns, double *x,
+                                  struct dea_error *error);
+
 /* Energy balance since the start, at the end of the last step. */
 enum dea_status dea_plant_energy(struct dea_plant *plant, struct dea_energy *energy, struct dea_error *error);
 

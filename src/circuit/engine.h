@@ -90,6 +90,10 @@ enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, s
  * circuit, DEA_ERR_SOLVER when it gives up (message: why, where, worst node, last steps). */
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error);
 
+/* Evaluates the netlist's .measure lines on a raw file of the circuit's unknowns instead of a run of its own.
+ * dea_engine_measures has the results. */
+enum dea_status dea_engine_measure_file(struct dea_engine *engine, const char *raw_path, struct dea_error *error);
+
 /* Results of the .measure lines after a run; owned by the engine until the next load. */
 const struct dea_engine_measure *dea_engine_measures(const struct dea_engine *engine, int *count);
 void dea_engine_stats(const struct dea_engine *engine, struct dea_engine_stats *stats);

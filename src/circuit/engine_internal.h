@@ -78,8 +78,8 @@ struct dea_engine {
     struct dea_engine_stats stats;
 
     struct dea_complaints complaints;
-    struct dea_listing *listing; /* being read back; NULL otherwise */
-    bool listing_cut;            /* a line of it was lost: out of memory */
+    struct dea_listing *listing;         /* being read back; NULL otherwise */
+    bool listing_cut;                    /* a line of it was lost: out of memory */
     struct dea_engine_measure *measures; /* owned */
     int measure_count;
 };

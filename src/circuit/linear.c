@@ -346,6 +346,13 @@ static bool belongs_to_device(const char *name, const char *path) {
     return name[0] != '\0' && name[1] == '.' && strncasecmp(name + 2, path, length) == 0 && name[2 + length] == '.';
 }
 
+/* ngspice turns the n-th par('..') of a .measure line into "bpa_0n pa_0n 0 v=..": nothing else hangs on it. */
+static bool belongs_to_measure(const struct reader *reader) {
+    const char *name = reader->words[0];
+    return reader->word_count > 2 && strncmp(name, "bpa_", 4) == 0 && strcmp(reader->words[1], name + 1) == 0 &&
+           isdigit((unsigned char)name[4]);
+}
+
 static bool is_harmless_command(const char *word) {
     static const char *const harmless[] = {".tran", ".end",   ".options", ".option",
                                            ".save", ".param", ".global",  ".ends"};
@@ -362,7 +369,7 @@ static enum dea_status read_pass(struct reader *reader, const struct dea_listing
         if (!cut_words(reader, listing->lines[i]))
             return dea_fail(reader->error, DEA_ERR_MEMORY, "out of memory for the circuit");
         if (reader->word_count == 0 || reader->words[0][0] == '*' ||
-            belongs_to_device(reader->words[0], instance->path))
+            belongs_to_device(reader->words[0], instance->path) || belongs_to_measure(reader))
             continue;
         if (reader->words[0][0] == '.')
             reader->linear = is_harmless_command(reader->words[0]);
@@ -409,13 +416,14 @@ static enum dea_status number_branches(struct reader *reader) {
 }
 
 bool dea_linear_possible(const struct dea_netlist *netlist) {
-    if (netlist->instance_count != 1 || netlist->measure_count > 0 || netlist->tran.uic || netlist->has_event_parts)
+    if (netlist->instance_count != 1 || !dea_measures_movable(netlist) || netlist->tran.uic || netlist->has_event_parts)
         return false;
     for (int i = 1; i < netlist->line_count; i++) {
         const char *text = netlist->lines[i].text + strspn(netlist->lines[i].text, " \t");
         char first = (char)tolower((unsigned char)text[0]);
         bool starts_elsewhere = strncasecmp(text, ".ic", 3) == 0 || strncasecmp(text, ".nodeset", 8) == 0;
-        if (netlist->lines[i].passed && (starts_elsewhere || (first != '\0' && strchr("rclkviegfhx.*$;+", first) == NULL)))
+        if (netlist->lines[i].passed &&
+            (starts_elsewhere || (first != '\0' && strchr("rclkviegfhx.*$;+", first) == NULL)))
             return false;
     }
     return true;

@@ -7,8 +7,11 @@
 #include "deasim/network.h"
 
 /* False when a line of the netlist shows at once that it is not linear, or asks for something only ngspice does
- * (.measure, .ic, uic, several devices). Costs no ngspice. */
+ * (.ic, uic, several devices). Costs no ngspice. */
 bool dea_linear_possible(const struct dea_netlist *netlist);
+
+/* True when every .measure line can be evaluated on a file of the circuit's unknowns: no parameters in it. */
+bool dea_measures_movable(const struct dea_netlist *netlist);
 
 /* Turns a listing into equations. *linear is false, and *why says which line, when something in it is not linear or not
  * understood; that is no failure. `step` and `stop` (s) are the defaults of ngspice's sources. Ports are by zone;

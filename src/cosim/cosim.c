@@ -349,17 +349,18 @@ static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
                     MAX_REST_ROUNDS, run->rest_change);
 }
 
-static enum dea_status keep_measures(struct cosim *run, struct dea_error *error) {
+enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
+                                    struct dea_error *error) {
     int count = 0;
-    const struct dea_engine_measure *measures = dea_engine_measures(run->engine, &count);
+    const struct dea_engine_measure *measures = dea_engine_measures(engine, &count);
     if (count == 0)
         return DEA_OK;
-    run->result->measures = calloc((size_t)count, sizeof *run->result->measures);
-    if (run->result->measures == NULL)
+    result->measures = calloc((size_t)count, sizeof *result->measures);
+    if (result->measures == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d measures", count);
-    run->result->measure_count = (size_t)count;
+    result->measure_count = (size_t)count;
     for (int i = 0; i < count; i++) {
-        struct dea_netlist_measure *kept = &run->result->measures[i];
+        struct dea_netlist_measure *kept = &result->measures[i];
         snprintf(kept->name, sizeof kept->name, "%s", measures[i].name);
         kept->value = measures[i].value;
         kept->failed = measures[i].failed;
@@ -441,7 +442,7 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         if (closed != DEA_OK && status >= 0)
             status = closed;
         settle_books(&run);
-        enum dea_status measured = keep_measures(&run, status >= 0 ? error : NULL);
+        enum dea_status measured = cosim_keep_measures(run.engine, result, status >= 0 ? error : NULL);
         if (measured != DEA_OK && status >= 0)
             status = measured;
     }

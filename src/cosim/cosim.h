@@ -3,7 +3,7 @@
 #define DEASIM_COSIM_COSIM_H
 
 #include "base/isolate.h"
-#include "circuit/deck.h"
+#include "circuit/engine.h"
 #include "cosim/observer.h"
 
 /* Reads and vets the scene's netlist. Pin names and counts follow the scene's devices. */
@@ -13,6 +13,10 @@ enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, 
 /* Electrical side of the scene's devices, in their order; *devices is malloc'd. */
 enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,
                                        struct dea_error *error);
+
+/* The engine's .measure results into the result. */
+enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
+                                    struct dea_error *error);
 
 /* End of the run: the scene's, or the netlist's .tran. */
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,

@@ -16,7 +16,9 @@
 
 struct native_run {
     const struct dea_scene *scene;
-    const struct dea_network *network; /* NULL: native sources */
+    const struct native_circuit *circuit; /* NULL: native sources */
+    const struct dea_network *network;    /* of the circuit */
+    double *unknowns;                     /* owned; of the network, for the tap */
     const struct dea_run_options *options;
     double stop; /* s */
     struct dea_plant *plant;
@@ -118,6 +120,19 @@ static enum dea_status apply_policy(struct native_run *run, enum dea_policy poli
     return DEA_OK;
 }
 
+/* The circuit's unknowns at the end of the step, and in between: what reads them draws straight lines. */
+static enum dea_status tap_circuit(struct native_run *run, double from, double to, struct dea_error *error) {
+    enum { PARTS = 4 };
+    if (run->circuit == NULL || run->circuit->tap == NULL)
+        return DEA_OK;
+    for (int part = 1; part <= PARTS; part++) {
+        double t = part == PARTS ? to : from + (to - from) * part / PARTS, x;
+        DEA_TRY(dea_plant_network(run->plant, t, run->unknowns, &x, error));
+        DEA_TRY(run->circuit->tap(run->circuit->tap_context, t, run->unknowns, x, error));
+    }
+    return DEA_OK;
+}
+
 /* Until the next corner. */
 static enum dea_status integrate_piece(struct native_run *run, double corner, struct dea_error *error) {
     double shortest = 16.0 * DBL_EPSILON * corner; /* corners this close are one */
@@ -126,6 +141,7 @@ static enum dea_status integrate_piece(struct native_run *run, double corner, st
         struct dea_step step;
         DEA_TRY(dea_plant_step(run->plant, corner, &step, error));
         DEA_TRY(observer_follow(run->observer, 0, step.from, step.to, error));
+        DEA_TRY(tap_circuit(run, step.from, step.to, error));
         DEA_TRY(observer_write(run->observer, step.to, error));
         if (step.root) {
             int zone;
@@ -167,6 +183,7 @@ static enum dea_status turn_corner(struct native_run *run, double corner, struct
 
 static enum dea_status integrate(struct native_run *run, struct dea_error *error) {
     DEA_TRY(start_plant(run, error));
+    DEA_TRY(tap_circuit(run, 0.0, 0.0, error));
     double corner = 0.0;
     while (corner < run->stop) {
         DEA_TRY(turn_corner(run, corner, error));
@@ -176,21 +193,32 @@ static enum dea_status integrate(struct native_run *run, struct dea_error *error
     return DEA_OK;
 }
 
-enum dea_status run_native(const struct dea_scene *scene, const struct dea_network *network, double stop,
+enum dea_status run_native(const struct dea_scene *scene, const struct native_circuit *circuit,
                            const struct dea_run_options *options, const struct row_sink *sink,
                            struct dea_result *result, struct dea_error *error) {
-    struct native_run run = {.scene = scene, .network = network, .options = options, .stop = stop};
-    run.pieces = calloc(network != NULL ? network->source_count + 1 : 1, sizeof *run.pieces);
-    if (run.pieces == NULL)
+    struct native_run run = {.scene = scene, .circuit = circuit, .options = options, .stop = scene->stop};
+    size_t sources = 1, unknowns = 1;
+    if (circuit != NULL) {
+        run.network = circuit->network;
+        run.stop = circuit->stop;
+        sources += run.network->source_count;
+        unknowns += (size_t)(run.network->node_count + run.network->branch_count);
+    }
+    run.pieces = calloc(sources, sizeof *run.pieces);
+    run.unknowns = calloc(unknowns, sizeof *run.unknowns);
+    if (run.pieces == NULL || run.unknowns == NULL) {
+        free(run.pieces);
+        free(run.unknowns);
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit's sources");
+    }
     enum dea_status status = create_plant(&run, error);
     if (status == DEA_OK) {
         run.observed = (struct observed){run.plant, &scene->devices[0].device, NULL, false};
         snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "%s",
-                 network != NULL                     ? "linear"
+                 circuit != NULL                     ? "linear"
                  : dea_plant_is_algebraic(run.plant) ? "static"
                                                      : "native");
-        status = observer_open(scene, options, stop, &run.observed, 1, sink, result, &run.observer, error);
+        status = observer_open(scene, options, run.stop, &run.observed, 1, sink, result, &run.observer, error);
     }
     if (status == DEA_OK) {
         dea_report_begin(options->report);
@@ -203,5 +231,6 @@ enum dea_status run_native(const struct dea_scene *scene, const struct dea_netwo
     }
     dea_plant_destroy(run.plant);
     free(run.pieces);
+    free(run.unknowns);
     return status;
 }

@@ -77,7 +77,7 @@ enum dea_status dea_run_scene(const struct dea_scene *scene, const struct dea_ru
     struct row_sink sink = {.context = &files, .open = open_files, .row = write_row};
     if (status == DEA_OK)
         status = scene->netlist != NULL ? run_supervised(scene, options, &sink, result, error)
-                                        : run_native(scene, NULL, scene->stop, options, &sink, result, error);
+                                        : run_native(scene, NULL, options, &sink, result, error);
     enum dea_status closed = dea_recorder_close(files.recorder, status >= 0 ? error : NULL);
     if (closed != DEA_OK && status >= 0)
         status = closed;

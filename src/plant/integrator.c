@@ -141,6 +141,8 @@ void dea_plant_destroy(struct dea_plant *plant) {
     free(plant->largest);
     free(plant->slots);
     free(plant->row_scale);
+    free(plant->column_starts);
+    free(plant->entry_rows);
     free(plant);
 }
 

@@ -58,8 +58,7 @@ static void set_pattern(struct dea_plant *plant, bool slack, char *pattern) {
     if (plant->network != ABSENT)
         plant_network_mark(plant, pattern, slack);
 
-    sunindextype *pointers = plant->sparse ? SUNSparseMatrix_IndexPointers(plant->matrix) : NULL;
-    sunindextype *rows = plant->sparse ? SUNSparseMatrix_IndexValues(plant->matrix) : NULL;
+    sunindextype *pointers = plant->column_starts, *rows = plant->entry_rows;
     int used = 0;
     for (int column = 0; column < n; column++) {
         if (plant->sparse)
@@ -101,6 +100,14 @@ enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *err
     if (plant->slots == NULL || pattern == NULL || plant->matrix == NULL) {
         free(pattern);
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for a matrix of %d unknowns", n);
+    }
+    if (plant->sparse) {
+        plant->column_starts = calloc((size_t)n + 1, sizeof *plant->column_starts);
+        plant->entry_rows = calloc((size_t)SUNSparseMatrix_NNZ(plant->matrix), sizeof *plant->entry_rows);
+        if (plant->column_starts == NULL || plant->entry_rows == NULL) {
+            free(pattern);
+            return dea_fail(error, DEA_ERR_MEMORY, "out of memory for a matrix of %d unknowns", n);
+        }
     }
     set_pattern(plant, false, pattern);
     free(pattern);
@@ -227,9 +234,16 @@ int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vec
         return 1;
     if (follow_slack(plant) != 0)
         return -1;
-    double *data = plant->sparse ? SUNSparseMatrix_Data(matrix) : SUNDenseMatrix_Data(matrix);
-    size_t entries = plant->sparse ? (size_t)SUNSparseMatrix_IndexPointers(matrix)[plant->state_count]
-                                   : (size_t)plant->state_count * (size_t)plant->state_count;
+    double *data;
+    size_t n = (size_t)plant->state_count, entries = n * n;
+    if (plant->sparse) {
+        entries = (size_t)plant->column_starts[n];
+        memcpy(SUNSparseMatrix_IndexPointers(matrix), plant->column_starts, (n + 1) * sizeof *plant->column_starts);
+        memcpy(SUNSparseMatrix_IndexValues(matrix), plant->entry_rows, entries * sizeof *plant->entry_rows);
+        data = SUNSparseMatrix_Data(matrix);
+    } else {
+        data = SUNDenseMatrix_Data(matrix);
+    }
     memset(data, 0, entries * sizeof *data);
     add_platform(plant, data, cj);
     for (int k = 0; k < DEA_ZONES; k++) {

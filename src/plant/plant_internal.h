@@ -92,6 +92,7 @@ struct dea_plant {
     double rtol;
     int *slots; /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
     bool sparse, slack_pattern;
+    sunindextype *column_starts, *entry_rows; /* the sparse pattern; IDA wipes the matrix's own before each Jacobian */
     double t, t_previous;
     double restarted_at; /* s; the interpolant reaches back to here */
     bool integrating;    /* IDA holds a valid history */

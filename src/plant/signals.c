@@ -174,6 +174,16 @@ enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *val
     return DEA_OK;
 }
 
+enum dea_status dea_plant_network(struct dea_plant *plant, double t, double *unknowns, double *x,
+                                  struct dea_error *error) {
+    const double *y = NULL, *yp = NULL, *quad = NULL;
+    DEA_TRY(interpolate(plant, t, &y, &yp, &quad, error));
+    for (int i = 0; i < plant->network_count; i++)
+        unknowns[i] = y[plant->network + i] * plant->scale[plant->network + i];
+    *x = y[plant->x] * plant->scale[plant->x];
+    return DEA_OK;
+}
+
 enum dea_status plant_stored_energy(struct dea_plant *plant, const double *y, double *energy) {
     const struct dea_device *device = plant->device;
     double part, x = y[plant->x] * plant->scale[plant->x];
