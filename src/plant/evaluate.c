@@ -61,8 +61,7 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
     if (dea_film_respond(plant->device, k, zone->control, x, point->e, point->states, with_derivatives, point->branches,
                          &point->film) != DEA_OK) {
         bool flat = !(dea_zone_stretch(plant->device, k, x) > 0.0);
-        plant->trouble = flat
-                             ? "the platform ran into the frame, a zone has no length left (platform.stops keep it off)"
+        plant->trouble = flat     ? "the platform ran into the frame (platform.stops keep it off)"
                          : k == 0 ? "the left zone left the model (elastic limit, collapse or pull-in)"
                                   : "the right zone left the model (elastic limit, collapse or pull-in)";
         return DEA_RECOVERABLE;

@@ -54,6 +54,8 @@ for signal in INT TERM; do
         has out "( $rows )"
     fi
     expect 0 "$DEASIM" plot "stopped-$signal"
+    read -r width height < <(od -An -j16 -N8 --endian=big -tu4 "stopped-$signal/result.png") # of the PNG's header
+    ((width >= 800 && height >= 800)) || { echo "a picture of $width x $height"; exit 1; }
 done
 
 # a run that is mostly rows can be stopped as well
