@@ -27,8 +27,7 @@ struct dea_channel *dea_channel_open(int descriptor, struct dea_shared_state *sh
         free(batch);
         return NULL;
     }
-    *channel = (struct dea_channel){
-        .descriptor = descriptor, .shared = shared, .flushed = dea_clock(), .batch = batch};
+    *channel = (struct dea_channel){.descriptor = descriptor, .shared = shared, .flushed = dea_clock(), .batch = batch};
     return channel;
 }
 

@@ -124,7 +124,7 @@ static enum dea_status save_measured(struct builder *builder, const char *text, 
                 DEA_TRY(add(builder, -1, ".save %.*s)", (int)length, c));
         } else if (*c == '@') {
             size_t length = strcspn(c, "]");
-            if (c[length] == ']' && length < DEA_TOKEN_MAX)
+            if (length < DEA_TOKEN_MAX && c[length] == ']')
                 DEA_TRY(add(builder, -1, ".save %.*s]", (int)length, c));
         }
     }

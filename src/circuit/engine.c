@@ -383,8 +383,8 @@ static enum dea_status judge_failure(const struct dea_engine *engine, struct dea
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error) {
     if (engine->netlist == NULL || library_dead)
         return dea_fail(error, DEA_ERR_INTERNAL, "no circuit is loaded");
-    struct dea_error inner = {.status = DEA_OK};
-    engine->run_error = &inner;
+    engine->callback_error = (struct dea_error){.status = DEA_OK};
+    engine->run_error = &engine->callback_error;
     engine->verdict = DEA_OK;
     engine->stop_sent = false;
     engine->step_count = engine->window_first = engine->tiny_steps = 0;
@@ -401,7 +401,7 @@ enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *erro
     engine->run_error = NULL;
     if (engine->verdict != DEA_OK) {
         if (error != NULL)
-            *error = inner;
+            *error = engine->callback_error;
         return engine->verdict;
     }
     if (engine->complaints.aborted || engine->complaints.exit_requested ||

@@ -52,7 +52,8 @@ struct dea_engine {
     const struct dea_circuit_device *devices;
     const struct dea_deck_options *options;
     const struct dea_engine_callbacks *callbacks;
-    struct dea_error *run_error; /* of the run in progress */
+    struct dea_error callback_error;
+    struct dea_error *run_error; /* of the run in progress: callback_error, or NULL */
 
     struct dea_external_source *sources; /* owned */
     int source_count, next_source;

@@ -45,11 +45,13 @@ static int find_quoted_line(const struct dea_engine *engine, const char *text) {
 
 /* The netlist line of a deck line number in the message, -1 when there is none. */
 static int find_numbered_line(const struct dea_engine *engine, const char *text) {
-    int number;
-    const char *at = strstr(text, "ine no. ");
-    if (at != NULL ? sscanf(at, "ine no. %d", &number) != 1
-                   : (at = strstr(text, "n line ")) == NULL || sscanf(at, "n line %d", &number) != 1)
-        return -1;
+    static const char *const leads[] = {"ine no. ", "n line "};
+    long number = 0;
+    for (size_t i = 0; i < sizeof leads / sizeof leads[0] && number == 0; i++) {
+        const char *at = strstr(text, leads[i]);
+        if (at != NULL)
+            number = strtol(at + strlen(leads[i]), NULL, 10);
+    }
     return number >= 1 && number <= engine->deck->line_count ? engine->deck->origins[number - 1] : -1;
 }
 
@@ -218,19 +220,20 @@ void dea_engine_hear(struct dea_engine *engine, const char *line) {
                  singular + strlen("check node") + strspn(singular + strlen("check node"), "s: "));
     if (begins(text, "Measurements for"))
         complaints->measuring = true;
-    if (complaints->measuring && hear_measure(engine, text))
-        tell(engine, DEA_MESSAGE_NOTE, -1, text);
-    else if (complaints->measuring)
-        tell(engine, from_stderr ? DEA_MESSAGE_WARNING : DEA_MESSAGE_NOTE, -1, text);
-    else if (complaints->expect_detail > 0) {
+    bool warning = strncasecmp(text, "warning", 7) == 0;
+    if (complaints->measuring) {
+        warning = !hear_measure(engine, text) && from_stderr;
+    } else if (complaints->expect_detail > 0) {
         complaints->expect_detail--;
         keep_complaint(engine, text);
-    } else if (is_search_chatter(text))
-        tell(engine, DEA_MESSAGE_NOTE, -1, text);
-    else if (is_error(text))
+        return;
+    } else if (is_search_chatter(text)) {
+        warning = false;
+    } else if (is_error(text)) {
         hear_error(engine, text);
-    else
-        tell(engine, strncasecmp(text, "warning", 7) == 0 ? DEA_MESSAGE_WARNING : DEA_MESSAGE_NOTE, -1, text);
+        return;
+    }
+    tell(engine, warning ? DEA_MESSAGE_WARNING : DEA_MESSAGE_NOTE, -1, text);
 }
 
 void dea_engine_clear_complaints(struct dea_engine *engine) {
@@ -258,7 +261,7 @@ enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_st
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i == 0 ? ": " : "; ", complaints->texts[i]);
     if (tail != NULL && used < sizeof text)
         snprintf(text + used, sizeof text - used, "; %s", tail);
-    return dea_fail(error, status, "%s", text);
+    return (dea_fail)(error, status, "%s", text);
 }
 
 void dea_engine_describe_steps(const struct dea_engine *engine, char *text, size_t size) {

@@ -172,7 +172,7 @@ static void mark_holders(struct search *search, struct call *call) {
 static enum dea_status flatten_node(const struct search *search, const struct level *level, const char *node, int line,
                                     char flat[DEA_TOKEN_MAX]) {
     if (strcmp(node, "0") == 0 || strcmp(node, "gnd") == 0) {
-        strcpy(flat, "0");
+        snprintf(flat, DEA_TOKEN_MAX, "0");
         return DEA_OK;
     }
     for (int i = 0; i < level->pin_count; i++)

@@ -50,7 +50,9 @@ static enum dea_status find_tran(struct dea_netlist_job *job, int index, const c
 static enum dea_status find_measure(struct dea_netlist_job *job, int index, const char *cursor) {
     struct dea_netlist *netlist = job->netlist;
     char name[DEA_TOKEN_MAX];
-    if (!dea_netlist_token(&cursor, name) || !dea_netlist_token(&cursor, name))
+    bool named = dea_netlist_token(&cursor, name); /* the analysis, then the name */
+    named = named && dea_netlist_token(&cursor, name);
+    if (!named)
         return dea_netlist_fail(job, index,
                                 ".measure needs an analysis and a name, as in .measure tran v_peak max v(out)");
     for (int i = 0; i < netlist->measure_count; i++)

@@ -73,9 +73,9 @@ enum dea_status dea_netlist_resolve(struct dea_netlist_job *job, const char *nam
     if (name[0] == '~' || strpbrk(name, "$`{") != NULL)
         return dea_fail(job->error, DEA_ERR_INPUT, "%s:%d: %s: file names are taken literally, without ~ or variables",
                         file, line, name);
-    strcpy(from, file);
+    snprintf(from, sizeof from, "%s", file);
     if (name[0] == '/')
-        strcpy(candidate, name);
+        snprintf(candidate, sizeof candidate, "%s", name);
     else
         snprintf(candidate, sizeof candidate, "%s/%s", dirname(from), name);
     *resolved = realpath(candidate, NULL);

@@ -17,6 +17,7 @@ struct rest_task {
     bool relaxed;
     double t;
     const double *voltages;           /* film voltages of charge ports; NULL: their charges are given */
+    double film_voltages[DEA_ZONES];  /* those a circuit gives */
     struct dea_film films[DEA_ZONES]; /* of the last position */
 };
 
@@ -219,7 +220,7 @@ enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double vol
 static enum dea_status rest_with_network(struct rest_task *task, const double *x, double *position,
                                          struct dea_error *error) {
     struct dea_plant *plant = task->plant;
-    double drawn[DEA_ZONES] = {0.0, 0.0}, pins[DEA_ZONES], films[DEA_ZONES];
+    double drawn[DEA_ZONES] = {0.0, 0.0}, pins[DEA_ZONES], *films = task->film_voltages;
     task->voltages = films;
     for (int round = 0; round < MAX_REST_ROUNDS; round++) {
         double change = 0.0;
