@@ -3,6 +3,8 @@
  */
 #include "deasim/quantity.h"
 
+#include "base/known_units.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <locale.h>
@@ -55,11 +57,15 @@ static pthread_mutex_t unit_lock = PTHREAD_MUTEX_INITIALIZER;
 static ut_system *unit_system;
 static locale_t c_locale;
 
-static enum dea_status open_units(struct dea_error *error) {
+static enum dea_status open_locale(struct dea_error *error) {
     if (c_locale == (locale_t)0)
         c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (c_locale == (locale_t)0)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the C locale");
+    return DEA_OK;
+}
+
+static enum dea_status open_units(struct dea_error *error) {
     if (unit_system != NULL)
         return DEA_OK;
     ut_set_error_message_handler(ut_ignore);
@@ -290,7 +296,7 @@ static double apply_scale(double value, double scale) {
 }
 
 static enum dea_status parse_locked(const char *text, const char *si_unit, double *value, struct dea_error *error) {
-    DEA_TRY(open_units(error));
+    DEA_TRY(open_locale(error));
     const char *rest = text;
     double number = 0, scale = 1;
     DEA_TRY(parse_number(text, &rest, &number, error));
@@ -299,10 +305,13 @@ static enum dea_status parse_locked(const char *text, const char *si_unit, doubl
         char unit[UNIT_TEXT_MAX];
         enum unit_match match = UNIT_UNKNOWN;
         if (looks_like_unit(rest) && translate_unit(rest, &target, unit)) {
+            const struct known_unit *known = find_known_unit(unit, target);
+            DEA_TRY(known != NULL ? DEA_OK : open_units(error));
             /* udunits2 reads numbers inside units with the locale of the thread */
             locale_t before = uselocale(c_locale);
-            match = match_unit(unit, target, &scale);
+            match = known != NULL ? UNIT_MATCHES : match_unit(unit, target, &scale);
             uselocale(before);
+            scale = known != NULL ? known->scale : scale;
         }
         char shown[UNIT_TEXT_MAX];
         snprintf(shown, sizeof shown, "%.40s", rest);

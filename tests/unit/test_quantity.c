@@ -17,7 +17,7 @@ static void names_a_missing_unit_database(void **state) {
     struct dea_error error = {0};
     double value;
     setenv("UDUNITS2_XML_PATH", "/nonexistent/units.xml", 1);
-    assert_int_equal(dea_quantity_parse("5 V", "V", &value, &error), DEA_ERR_INPUT);
+    assert_int_equal(dea_quantity_parse("5 mV", "V", &value, &error), DEA_ERR_INPUT);
     unsetenv("UDUNITS2_XML_PATH");
     assert_string_equal(error.text, "the unit database /nonexistent/units.xml cannot be read (is the package "
                                     "libudunits2-data installed, and UDUNITS2_XML_PATH unset or right?)");
