@@ -57,6 +57,9 @@ static bool make_vectors(struct dea_plant *plant) {
         return false;
     N_VConst(0.0, plant->quad);
     N_VConst(1.0, plant->id);
+    /* vectors this short cost more in calls than in arithmetic: IDA clones these two */
+    if (N_VEnableFusedOps_Serial(plant->y, SUNTRUE) != 0 || N_VEnableFusedOps_Serial(plant->quad, SUNTRUE) != 0)
+        return false;
     if (plant->motion == MOTION_ALGEBRAIC)
         N_VGetArrayPointer(plant->id)[plant->x] = 0.0;
     return true;
