@@ -1,0 +1,177 @@
+/* deasim's own curves, and the reference. */
+#include "work_precision.h"
+
+#include "deasim/run.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define REFERENCE_ROWS 60000
+#define ERROR_ROWS 20000 /* a divisor of the above: no interpolation between rows of deasim */
+#define TIMED_ROWS 2000
+
+/* ---- what the scene has ---- */
+
+bool deasim_prepare(struct bench *bench) {
+    static const char *const ports[DEA_ZONES] = {"left.port_voltage", "right.port_voltage"};
+    static const char *const nodes[DEA_ZONES] = {"v(left)", "v(right)"};
+    struct dea_scene scene = {0};
+    struct dea_error error;
+    if (dea_scene_read(bench->entry->scene, NULL, 0, &scene, &error) != DEA_OK) {
+        fprintf(stderr, "%s\n", error.text);
+        dea_scene_clear(&scene);
+        return false;
+    }
+    bench->names[0] = "x";
+    bench->nodes[0] = "v(pos)";
+    bench->signal_count = 1;
+    for (int k = 0; k < DEA_ZONES; k++) {
+        if (!scene.devices[0].device.zones[k].present || !scene.devices[0].device.zones[k].electroded)
+            continue;
+        bench->names[bench->signal_count] = ports[k];
+        bench->nodes[bench->signal_count++] = nodes[k];
+    }
+    bench->stop = scene.stop;
+    bool good = scene.has_transient && scene.stop > 0.0;
+    if (!good)
+        fprintf(stderr, "%s: a benchmark scene needs transient.stop\n", bench->entry->scene);
+    dea_scene_clear(&scene);
+    return good;
+}
+
+/* ---- a run ---- */
+
+static double number_of(const cJSON *object, const char *key) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
+    return cJSON_IsNumber(item) ? item->valuedouble : NAN;
+}
+
+static char *read_text(const char *path) {
+    FILE *file = fopen(path, "rb");
+    char *text = NULL;
+    size_t room = 0;
+    if (file == NULL)
+        return NULL;
+    if (getdelim(&text, &room, '\0', file) < 0) {
+        free(text);
+        text = NULL;
+    }
+    fclose(file);
+    return text;
+}
+
+/* Counters and solve time of a run from its summary. */
+static void read_summary(const char *path, struct point *point, double *relaxed) {
+    char *text = read_text(path);
+    cJSON *root = text != NULL ? cJSON_Parse(text) : NULL;
+    const cJSON *stats = cJSON_GetObjectItemCaseSensitive(root, "stats");
+    point->inner = number_of(stats, "wall_s");
+    point->points = number_of(stats, "circuit_points");
+    point->iterations = number_of(stats, "circuit_iterations");
+    point->work = number_of(stats, "residuals");
+    *relaxed = number_of(cJSON_GetObjectItemCaseSensitive(root, "coupling"), "relaxed");
+    cJSON_Delete(root);
+    free(text);
+}
+
+/* Command line of a run into `folder`. The caller's buffers hold what is made here. */
+struct command {
+    const char *arguments[MAX_ARGUMENTS];
+    char accuracy[32], sample[64], signals[128];
+};
+
+static void make_command(struct command *command, const struct bench *bench, const char *scene, const char *engine,
+                         const char *folder, double accuracy, int rows) {
+    snprintf(command->accuracy, sizeof command->accuracy, "%g", accuracy);
+    snprintf(command->sample, sizeof command->sample, "output.sample=%.17g", bench->stop / rows);
+    int used = snprintf(command->signals, sizeof command->signals, "output.signals=[");
+    for (int i = 0; i < bench->signal_count; i++)
+        used += snprintf(command->signals + used, sizeof command->signals - (size_t)used, "%s%s", i > 0 ? "," : "",
+                         bench->names[i]);
+    snprintf(command->signals + used, sizeof command->signals - (size_t)used, "]");
+    const char *arguments[] = {
+        bench->program,         "run",     scene,           "-o",       folder,           "--accuracy",
+        command->accuracy,      "--quiet", "--json",        "--engine", engine,           "--set",
+        "output.formats=[raw]", "--set",   command->sample, "--set",    command->signals, NULL};
+    memcpy(command->arguments, arguments, sizeof arguments);
+}
+
+static bool run_once(const struct bench *bench, const char *scene, const char *engine, const char *name,
+                     double accuracy, int rows, double limit, struct trace *trace, struct process_result *result) {
+    char folder[PATH_ROOM], raw[PATH_ROOM + 16], json[PATH_ROOM + 16];
+    snprintf(folder, sizeof folder, "%s/%s", bench->folder, name);
+    snprintf(raw, sizeof raw, "%s/result.raw", folder);
+    snprintf(json, sizeof json, "%s.json", folder);
+    struct command command;
+    make_command(&command, bench, scene, engine, folder, accuracy, rows);
+    char *arguments[MAX_ARGUMENTS] = {0};
+    for (int i = 0; command.arguments[i] != NULL; i++)
+        arguments[i] = strdup(command.arguments[i]);
+    *result = process_run(arguments, json, limit);
+    for (int i = 0; arguments[i] != NULL; i++)
+        free(arguments[i]);
+    return result->good && trace_read_raw(raw, bench->names, bench->signal_count, 1.0, trace);
+}
+
+/* ---- reference ---- */
+
+/* The most accurate run that succeeds: of the native twin where there is one, which shares nothing with ngspice. The
+ * doubt is the difference to a second run: of the co-simulation, or ten times looser. */
+bool deasim_reference(struct bench *bench) {
+    const struct scene_entry *entry = bench->entry;
+    const char *scene = entry->twin != NULL ? entry->twin : entry->scene;
+    struct process_result result;
+    double accuracy = entry->reference;
+    for (; accuracy < 1e-5; accuracy *= 10.0)
+        if (run_once(bench, scene, "auto", "reference", accuracy, REFERENCE_ROWS, 20.0 * bench->limit,
+                     &bench->reference, &result))
+            break;
+    if (bench->reference.count == 0) {
+        fprintf(stderr, "%s: no reference\n", entry->name);
+        return false;
+    }
+    bench->reference_accuracy = accuracy;
+    struct trace second = {0};
+    bench->reference_doubt = NAN;
+    if (run_once(bench, scene, "auto", "second", 10.0 * accuracy, ERROR_ROWS, 20.0 * bench->limit, &second, &result)) {
+        struct trace_error error = trace_compare(&second, &bench->reference);
+        bench->reference_doubt = fmax(error.x, error.ports);
+    }
+    trace_clear(&second);
+    printf("%s: reference %s at A = %g, differs by %.2g from the run at ten times that\n", entry->name, scene, accuracy,
+           bench->reference_doubt);
+    return true;
+}
+
+/* ---- curves ---- */
+
+void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine) {
+    for (double exponent = bench->entry->loosest; exponent <= bench->entry->tightest + 0.01; exponent += 1.0) {
+        double accuracy = pow(10.0, -exponent), relaxed = 0.0;
+        char name[64], folder[PATH_ROOM], json[PATH_ROOM + 32];
+        struct point *point = bench_add_point(bench, curve, "A=%g", accuracy);
+        snprintf(name, sizeof name, "%s-%g", engine, accuracy);
+        snprintf(folder, sizeof folder, "%s/%s-timed", bench->folder, name);
+        struct trace trace = {0};
+        struct process_result result;
+        if (!run_once(bench, scene, engine, name, accuracy, ERROR_ROWS, bench->limit, &trace, &result)) {
+            point_fail(point, "%s", result.timed_out ? "took too long" : "the run failed");
+            continue;
+        }
+        point->error = trace_compare(&trace, &bench->reference);
+        trace_clear(&trace);
+        struct command command;
+        make_command(&command, bench, scene, engine, folder, accuracy, TIMED_ROWS);
+        point_set_command(point, command.arguments);
+        struct process_result timed = process_run(point->arguments, NULL, bench->limit);
+        snprintf(json, sizeof json, "%s/summary.json", folder);
+        read_summary(json, point, &relaxed);
+        point->walls[0] = timed.wall;
+        point->chosen = timed.good;
+        if (relaxed > 0.0)
+            snprintf(point->setting + strlen(point->setting), sizeof point->setting - strlen(point->setting),
+                     " relaxed %g", relaxed);
+    }
+}

@@ -1,0 +1,163 @@
+/* scipy and Octave on circuits of sources and resistors: the problem goes to the scripts as JSON, they solve and time
+ * it themselves, without the start of their interpreters. */
+#include "work_precision.h"
+
+#include "deasim/scene.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCRIPT_ROWS 2000 /* as the timed runs of deasim */
+
+/* ---- the problem ---- */
+
+/* A waveform of straight pieces as corners. */
+static cJSON *list_corners(const struct dea_source *source, double stop) {
+    cJSON *corners = cJSON_CreateArray();
+    for (double t = 0.0; t < stop;) {
+        struct dea_piece piece = {.kind = DEA_PIECE_LINE, .end = INFINITY};
+        if (source->present)
+            dea_waveform_piece(&source->waveform, t, &piece);
+        double end = fmin(piece.end, stop);
+        const double numbers[] = {t, dea_piece_value(&piece, t, NULL), end, dea_piece_value(&piece, end, NULL)};
+        cJSON_AddItemToArray(corners, cJSON_CreateDoubleArray(numbers, 4));
+        t = end;
+    }
+    return corners;
+}
+
+static cJSON *describe_zone(const struct dea_scene *scene, int k) {
+    const struct dea_zone *zone = &scene->devices[0].device.zones[k];
+    cJSON *object = cJSON_CreateObject();
+    cJSON_AddNumberToObject(object, "side", zone->side);
+    cJSON_AddNumberToObject(object, "length", zone->length);
+    cJSON_AddNumberToObject(object, "resistance", scene->sources[k].resistance + zone->electrode_resistance);
+    cJSON_AddItemToObject(object, "corners", list_corners(&scene->sources[k], scene->stop));
+    return object;
+}
+
+static bool write_problem(const struct dea_scene *scene, const char *path) {
+    const struct dea_device *device = &scene->devices[0].device;
+    const struct dea_material *material = &device->material;
+    cJSON *root = cJSON_CreateObject(), *zones = cJSON_AddArrayToObject(root, "zones"),
+          *branches = cJSON_AddArrayToObject(root, "branches");
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"stop", scene->stop},
+                   {"rows", SCRIPT_ROWS},
+                   {"width", device->width},
+                   {"thickness", device->thickness},
+                   {"lp1", device->prestretch[0]},
+                   {"lp2", device->prestretch[1]},
+                   {"mu", material->elastic.mu},
+                   {"jm", material->elastic.jm},
+                   {"permittivity", DEA_VACUUM_PERMITTIVITY * material->dielectric.permittivity},
+                   {"mass", device->effective_mass},
+                   {"damping", device->damping},
+                   {"load", device->load}};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        cJSON_AddNumberToObject(root, numbers[i].name, numbers[i].value);
+    for (int k = 0; k < DEA_ZONES; k++)
+        cJSON_AddItemToArray(zones, describe_zone(scene, k));
+    for (int b = 0; b < material->branch_count; b++) {
+        cJSON *branch = cJSON_CreateObject();
+        cJSON_AddNumberToObject(branch, "mu", material->branches[b].mu);
+        cJSON_AddNumberToObject(branch, "tau", material->branches[b].tau);
+        cJSON_AddItemToArray(branches, branch);
+    }
+    char *text = cJSON_Print(root);
+    FILE *file = fopen(path, "w");
+    bool good = text != NULL && file != NULL && fputs(text, file) >= 0;
+    if (file != NULL && fclose(file) != 0)
+        good = false;
+    free(text);
+    cJSON_Delete(root);
+    return good;
+}
+
+/* ---- the scripts ---- */
+
+/* What a script says per tolerance: "METHOD TOLERANCE calls seconds seconds ..."; the trace is METHOD-TOLERANCE.txt. */
+static void read_script_line(struct bench *bench, char *line) {
+    char *rest = NULL, *method = strtok_r(line, " \n", &rest), *tolerance = strtok_r(NULL, " \n", &rest),
+         *calls = strtok_r(NULL, " \n", &rest), path[2 * PATH_ROOM];
+    if (calls == NULL)
+        return;
+    struct point *point = bench_add_point(bench, method, "rtol=%s", tolerance);
+    for (char *c = point->curve; *c != '\0'; c++)
+        if (*c == '_')
+            *c = ' ';
+    if (strcmp(calls, "failed") == 0) {
+        point_fail(point, "failed: %s", rest);
+        return;
+    }
+    point->work = atof(calls);
+    for (char *word; (word = strtok_r(NULL, " \n", &rest)) != NULL && point->wall_count < MAX_ROUNDS;)
+        point->walls[point->wall_count++] = atof(word);
+    point->inner = point_median(point);
+    snprintf(path, sizeof path, "%s/%s-%s.txt", bench->folder, method, tolerance);
+    struct trace trace = {0};
+    if (trace_read_table(path, bench->signal_count, &trace)) {
+        point->error = trace_compare(&trace, &bench->reference);
+        point->chosen = isfinite(point->error.x);
+    } else {
+        point_fail(point, "left no result");
+    }
+    trace_clear(&trace);
+}
+
+static void run_script(struct bench *bench, const char *const *command, const char *problem) {
+    char output[PATH_ROOM + 32], *line = NULL, *arguments[8] = {0};
+    size_t room = 0;
+    int count = 0;
+    for (; command[count] != NULL; count++)
+        arguments[count] = strdup(command[count]);
+    arguments[count++] = strdup(problem);
+    arguments[count++] = strdup(bench->folder);
+    arguments[count] = strdup(bench->quick ? "quick" : "full");
+    snprintf(output, sizeof output, "%s/script.txt", bench->folder);
+    (void)process_run(arguments, output, 60.0 * bench->limit);
+    for (int i = 0; i <= count; i++)
+        free(arguments[i]);
+    FILE *file = fopen(output, "r");
+    while (file != NULL && getline(&line, &room, file) >= 0)
+        read_script_line(bench, line);
+    free(line);
+    if (file != NULL)
+        fclose(file);
+}
+
+static bool works(const char *const *command) {
+    char *arguments[8] = {0};
+    for (int i = 0; command[i] != NULL; i++)
+        arguments[i] = strdup(command[i]);
+    bool good = process_run(arguments, NULL, 60.0).good;
+    for (int i = 0; arguments[i] != NULL; i++)
+        free(arguments[i]);
+    return good;
+}
+
+void script_curves(struct bench *bench) {
+    char problem[PATH_ROOM + 32];
+    const char *path = bench->entry->twin != NULL ? bench->entry->twin : bench->entry->scene;
+    struct dea_scene scene = {0};
+    struct dea_error error;
+    snprintf(problem, sizeof problem, "%s/problem.json", bench->folder);
+    bool good = dea_scene_read(path, NULL, 0, &scene, &error) == DEA_OK && write_problem(&scene, problem);
+    dea_scene_clear(&scene);
+    if (!good)
+        return;
+    if (works((const char *const[]){"/usr/bin/python3", "-c", "import scipy.integrate", NULL}))
+        run_script(bench, (const char *const[]){"/usr/bin/python3", "bench/work_precision/scipy_ode.py", NULL},
+                   problem);
+    else
+        printf("%s: scipy is skipped: it needs the package python3-scipy\n", bench->entry->name);
+    if (works((const char *const[]){"octave-cli", "--version", NULL}))
+        run_script(bench, (const char *const[]){"octave-cli", "--quiet", "bench/work_precision/octave_ode.m", NULL},
+                   problem);
+    else
+        printf("%s: Octave is skipped: it needs the package octave\n", bench->entry->name);
+}

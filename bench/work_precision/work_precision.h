@@ -1,0 +1,123 @@
+/* Run time against error of deasim and its competitors. A scene has curves (one per program and way of solving), a
+ * curve has points (one per setting), a point has an error against the scene's reference and wall times. */
+#ifndef DEASIM_BENCH_WORK_PRECISION_H
+#define DEASIM_BENCH_WORK_PRECISION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum { MAX_SIGNALS = 3, MAX_ROUNDS = 15, MAX_ARGUMENTS = 24, PATH_ROOM = 1024 };
+
+/* ---- traces: results read back ---- */
+
+/* Signals over time. The first one is the displacement, the others are port voltages. */
+struct trace {
+    size_t count;
+    int signal_count;
+    double *time;                 /* s, owned */
+    double *signals[MAX_SIGNALS]; /* m and V, owned */
+};
+
+/* Reads a SPICE raw file (binary, real) by vector names, or a table of numbers whose columns are time and the signals.
+ * `scale` turns the first signal into m. False with a word on stderr. */
+bool trace_read_raw(const char *path, const char *const *names, int count, double scale, struct trace *trace);
+bool trace_read_table(const char *path, int count, struct trace *trace);
+void trace_clear(struct trace *trace);
+
+/* Relative L2-in-time error of x, and the largest of the port voltages; the latter relative to the largest port. */
+struct trace_error {
+    double x, ports;
+};
+struct trace_error trace_compare(const struct trace *trace, const struct trace *reference);
+
+/* ---- processes ---- */
+
+struct process_result {
+    bool good;        /* exit code 0, in time */
+    bool timed_out;   /* killed at the limit */
+    double wall, cpu; /* s */
+};
+
+/* Runs a command with stdout into a file (NULL: thrown away), stderr thrown away. */
+struct process_result process_run(char *const *arguments, const char *stdout_path, double limit);
+
+/* ---- points ---- */
+
+struct point {
+    char curve[32], setting[80];
+    char problem[80];               /* empty: all well */
+    char *arguments[MAX_ARGUMENTS]; /* of the timed command, owned; none for points timed elsewhere */
+    struct trace_error error;
+    double inner;             /* s, solve time the program itself reports; NAN: none */
+    double walls[MAX_ROUNDS]; /* s */
+    int wall_count;
+    double cpu;                      /* s, the least of the rounds */
+    double points, iterations, work; /* accepted circuit points, Newton iterations, residual or right-hand side calls */
+    bool chosen;                     /* is timed: on its curve's front */
+};
+
+struct scene_entry {
+    const char *name, *title;
+    const char *scene;   /* YAML, from the top of the tree */
+    const char *twin;    /* the same with native sources, and the reference; NULL: none */
+    bool circuit;        /* the scene has a netlist */
+    bool linear;         /* ... that deasim solves without ngspice */
+    bool ode;            /* small enough for the scripts */
+    bool exports;        /* plain ngspice can run it */
+    double longest_step; /* s, of the coarsest ngspice run */
+    double reference;    /* accuracy of the reference */
+    double loosest;      /* exponent range of the accuracies */
+    double tightest;
+};
+
+extern const struct scene_entry scene_entries[];
+extern const size_t scene_entry_count;
+
+/* A scene being measured. */
+struct bench {
+    const char *program, *folder; /* deasim; scratch files */
+    const struct scene_entry *entry;
+    double limit; /* s for one run */
+    int rounds;
+    bool quick;
+    double stop;                    /* s */
+    const char *names[MAX_SIGNALS]; /* deasim's signals */
+    const char *nodes[MAX_SIGNALS]; /* ngspice's vectors */
+    int signal_count;
+    struct trace reference;
+    double reference_accuracy, reference_doubt; /* difference to a second reference; NAN: none */
+    struct point *points;                       /* owned */
+    size_t point_count;
+};
+
+/* New point of a curve; its memory moves with the next one. */
+struct point *bench_add_point(struct bench *bench, const char *curve, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void point_set_command(struct point *point, const char *const *arguments);
+void point_fail(struct point *point, const char *format, ...) __attribute__((format(printf, 2, 3)));
+double point_error(const struct point *point);
+double point_median(const struct point *point);
+double point_least(const struct point *point);
+
+/* ---- curves ---- */
+
+bool deasim_prepare(struct bench *bench); /* signals and end time */
+bool deasim_reference(struct bench *bench);
+void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine);
+void ngspice_curve(struct bench *bench);
+void fixed_exchange_curve(struct bench *bench);
+void script_curves(struct bench *bench);
+
+/* Marks the points worth timing of one curve: those no other beats in error and time of the first run. */
+void choose_front(struct bench *bench, const char *curve);
+
+/* ---- results ---- */
+
+/* Seconds a curve needs for an error, by straight lines between its points on log axes; the fastest point where all are
+ * better; NAN where none is good enough. `inner` takes the time the program itself reports. */
+double curve_time(const struct bench *bench, const char *curve, double error, bool inner);
+void write_rows(const struct bench *bench, FILE *file);
+void write_tables(const struct bench *bench, FILE *file);
+
+#endif
