@@ -41,8 +41,10 @@ void coupled_clear(struct coupled *coupled) {
 static void tell_all(struct coupled *coupled, double t) {
     const struct dea_outlook *outlook = &coupled->outlook;
     double ahead = fmax(t - outlook->start, 0.0);
+    double part = coupled->horizon > 0.0 ? fmin(ahead / coupled->horizon, 1.0) : 1.0;
+    double fade = coupled->fade = (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part);
     coupled->told_at = t;
-    coupled->position = dea_outlook_position(outlook, outlook->start + ahead);
+    coupled->position = dea_outlook_position(outlook, outlook->start + ahead) + coupled->fading_position * fade;
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
         double lam = dea_outlook_stretch(coupled->device, outlook, k, outlook->start + ahead),
@@ -57,7 +59,7 @@ static void tell_all(struct coupled *coupled, double t) {
         double soft = follows ? dea_outlook_softness(outlook, k, coupled->horizon) : 0.0;
         if (soft * v2 > MAX_SOFT_PART * c)
             soft = MAX_SOFT_PART * c / v2;
-        coupled->c0[p] = c - soft * v2;
+        coupled->c0[p] = c - soft * v2 + coupled->fading[p] * fade;
         coupled->k[p] = soft;
         coupled->stretch[p] = lam;
         coupled->resistance[p] = dea_zone_resistance(coupled->device, k, lam, NULL);
@@ -121,11 +123,14 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     coupled->film_work = coupled->resistive = coupled->leakage = 0.0;
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
-        struct window_point first = {0.0, coupled->outlook.charge[k], 0.0};
-        if (window_begin(&coupled->windows[p], &first) != DEA_OK)
+        if (window_begin(&coupled->windows[p], 0.0, coupled->outlook.charge[k]) != DEA_OK)
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
-        coupled->last[p] = (struct port_values){film_voltages[p], film_voltages[p], first.q, 0.0};
+        coupled->taken[p][1] = (struct port_point){film_voltages[p], film_voltages[p], 0.0};
+        coupled->fading[p] = 0.0;
+        coupled->largest_charge[p] = fabs(coupled->outlook.charge[k]);
     }
+    coupled->fading_position = 0.0;
+    coupled->pending = false;
     return DEA_OK;
 }
 
@@ -147,9 +152,8 @@ static double film_voltage(struct coupled *coupled, int port, double t, double q
 
 /* Rows between two circuit points: charge from the Hermite cubic, the rest from it. */
 static enum dea_status sample_port(struct coupled *coupled, int index, int port, const struct window_point *a,
-                                   const struct window_point *b, const struct port_values *before,
-                                   const struct port_values *after, struct observer *observer,
-                                   struct dea_error *error) {
+                                   const struct window_point *b, struct observer *observer, struct dea_error *error) {
+    const struct port_point *before = &coupled->taken[port][0], *after = &coupled->taken[port][1];
     double interval = observer_sample_interval(observer);
     long sample = (long)fmax(floor(a->t / interval), (double)observer_next_sample(observer) - 1.0);
     for (; (double)sample * interval <= b->t; sample++) {
@@ -158,35 +162,48 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
             continue;
         struct port_values values;
         values.charge = window_value(a, b, t, &rate);
-        values.voltage =
-            film_voltage(coupled, port, t, values.charge, before->voltage + part * (after->voltage - before->voltage));
-        double drop =
-            (1.0 - part) * (before->port_voltage - before->voltage) + part * (after->port_voltage - after->voltage);
-        double leak = (1.0 - part) * (before->current - a->i) + part * (after->current - b->i);
+        values.voltage = film_voltage(coupled, port, t, values.charge,
+                                      before->film_voltage + part * (after->film_voltage - before->film_voltage));
+        double drop = (1.0 - part) * (before->port_voltage - before->film_voltage) +
+                      part * (after->port_voltage - after->film_voltage);
         values.port_voltage = values.voltage + drop;
-        values.current = rate + leak;
+        values.current = rate + (1.0 - part) * before->leak + part * after->leak;
         DEA_TRY(observer_sample_port(observer, index, coupled->zones[port], sample, &values, error));
     }
     return DEA_OK;
 }
 
 /* Work on the film over one circuit step. With V = Q/C, int V dQ = [Q V / 2] + (1/2) int V^2 dC: the bracket is exact
- * and C changes slowly, however fast the charge rings. At an exchange C jumps at constant charge, which is no work: the
- * step starts from the voltage that the new capacitance gives. Losses in R_e and leakage by trapezoids. */
-static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b,
-                      const struct port_values *before, const struct port_values *after) {
+ * and C changes slowly, however fast the charge rings. Losses in R_e and leakage by trapezoids. */
+static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b) {
+    const struct port_point *before = &coupled->taken[port][0], *after = &coupled->taken[port][1];
     double h = b->t - a->t, middle = 0.5 * (a->t + b->t);
-    double v0 = film_voltage(coupled, port, a->t, a->q, before->voltage);
+    double v0 = film_voltage(coupled, port, a->t, a->q, before->film_voltage);
     double c0 = coupled->c0[port] + coupled->k[port] * v0 * v0;
-    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), 0.5 * (v0 + after->voltage));
-    double v1 = film_voltage(coupled, port, b->t, b->q, after->voltage);
+    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), 0.5 * (v0 + after->film_voltage));
+    double v1 = film_voltage(coupled, port, b->t, b->q, after->film_voltage);
     double c1 = coupled->c0[port] + coupled->k[port] * v1 * v1;
     coupled->film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
-    double lost_before = (before->port_voltage - before->voltage) * before->current;
-    double lost_after = (after->port_voltage - after->voltage) * after->current;
+    double lost_before = (before->port_voltage - before->film_voltage) * (a->after + before->leak);
+    double lost_after = (after->port_voltage - after->film_voltage) * (b->before + after->leak);
     coupled->resistive += 0.5 * h * (lost_before + lost_after);
-    coupled->leakage +=
-        0.5 * h * (before->voltage * (before->current - a->i) + after->voltage * (after->current - b->i));
+    coupled->leakage += 0.5 * h * (before->film_voltage * before->leak + after->film_voltage * after->leak);
+}
+
+/* Rates, work, rows and extremes of the interval that ends at points[n]. */
+static enum dea_status settle_interval(struct coupled *coupled, int index, size_t n, struct observer *observer,
+                                       struct dea_error *error) {
+    coupled->pending = false;
+    for (int p = 0; p < coupled->port_count; p++) {
+        window_find_rates(&coupled->windows[p], n - 1);
+        const struct window_point *a = &coupled->windows[p].points[n - 1], *b = a + 1;
+        const struct port_point *after = &coupled->taken[p][1];
+        book_work(coupled, p, a, b);
+        DEA_TRY(sample_port(coupled, index, p, a, b, observer, error));
+        struct port_values values = {after->film_voltage, after->port_voltage, b->q, b->before + after->leak};
+        observer_note_port(observer, index, coupled->zones[p], b->t, coupled->stretch[p], &values);
+    }
+    return DEA_OK;
 }
 
 /* The outlook took the charge to go on at its rate. Where it does not, the platform will be elsewhere: by how much, in
@@ -202,27 +219,23 @@ static void note_drift(struct coupled *coupled, int port, double t, double charg
 
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error) {
+    size_t last = coupled->windows[0].count - 1;
+    for (int p = 0; p < coupled->port_count; p++)
+        if (to > from && window_add(&coupled->windows[p], to, ports[p].charge) != DEA_OK)
+            return dea_fail(error, DEA_ERR_MEMORY, "t = %.9g s: out of memory for the circuit's points", to);
+    if (coupled->pending)
+        DEA_TRY(settle_interval(coupled, index, last, observer, error));
     for (int p = 0; p < coupled->port_count; p++) {
-        struct window *window = &coupled->windows[p];
-        int k = coupled->zones[p];
-        struct window_point point = {to, ports[p].charge, ports[p].current};
-        double lam = coupled->stretch[p];
-        struct port_values values = {ports[p].film_voltage, ports[p].port_voltage, ports[p].charge,
-                                     ports[p].current +
-                                         dea_zone_leakage(coupled->device, k, lam, ports[p].film_voltage, NULL, NULL)};
-        if (to > from) {
-            const struct window_point *last = &window->points[window->count - 1];
-            book_work(coupled, p, last, &point, &coupled->last[p], &values);
-            DEA_TRY(sample_port(coupled, index, p, last, &point, &coupled->last[p], &values, observer, error));
-            if (window_add(window, &point) != DEA_OK)
-                return dea_fail(error, DEA_ERR_MEMORY, "t = %.9g s: out of memory for the circuit's points", to);
-        } else { /* the very first point: the current at rest */
-            window->points[0].i = point.i;
-        }
-        observer_note_port(observer, index, k, to, lam, &values);
-        note_drift(coupled, p, to, values.charge, values.voltage);
-        coupled->last[p] = values;
+        double v = ports[p].film_voltage;
+        tell_all(coupled, to);
+        coupled->taken[p][0] = coupled->taken[p][1];
+        coupled->taken[p][1] = (struct port_point){
+            v, ports[p].port_voltage,
+            dea_zone_leakage(coupled->device, coupled->zones[p], coupled->stretch[p], v, NULL, NULL)};
+        coupled->largest_charge[p] = fmax(coupled->largest_charge[p], fabs(ports[p].charge));
+        note_drift(coupled, p, to, ports[p].charge, v);
     }
+    coupled->pending = to > from;
     return DEA_OK;
 }
 
@@ -232,8 +245,12 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
 static size_t fit_pieces(const struct coupled *coupled, size_t first, double fit_tolerance,
                          struct dea_charge_piece *pieces) {
     size_t last = coupled->windows[0].count - 1;
+    double largest = 0.0;
+    for (int p = 0; p < coupled->port_count; p++)
+        largest = fmax(largest, coupled->largest_charge[p]);
+    double tolerance = fit_tolerance * largest * largest;
     for (int settled = 0, p = 0; settled < coupled->port_count; p = (p + 1) % coupled->port_count) {
-        size_t reach = window_fit(&coupled->windows[p], first, last, fit_tolerance, &pieces[p]);
+        size_t reach = window_fit(&coupled->windows[p], first, last, tolerance, &pieces[p]);
         settled = reach == last ? settled + 1 : 1;
         last = reach;
     }
@@ -268,14 +285,18 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
 enum dea_status coupled_exchange(struct coupled *coupled, int index, double horizon, double fit_tolerance,
                                  struct observer *observer, struct exchange *exchange, struct dea_error *error) {
     *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE, .zone = -1};
-    double reckoned[DEA_ZONES];
     size_t last = coupled->windows[0].count - 1;
-    double end = coupled->windows[0].points[last].t;
+    double end = coupled->windows[0].points[last].t, told[DEA_ZONES], missed[DEA_ZONES];
+    if (coupled->pending)
+        DEA_TRY(settle_interval(coupled, index, last, observer, error));
+    tell_all(coupled, end);
+    double told_position = coupled->position;
     for (int p = 0; p < coupled->port_count; p++) {
-        coupled_tell(coupled, p, DEA_EXTERNAL_CAPACITANCE, end);
-        reckoned[p] = coupled->c0[p] + coupled->k[p] * coupled->last[p].voltage * coupled->last[p].voltage;
+        double v = coupled->taken[p][1].film_voltage;
+        told[p] = coupled->c0[p] + coupled->k[p] * v * v;
+        missed[p] = coupled->fading[p] * coupled->fade;
     }
-    for (size_t first = 0; first < last && exchange->policy != DEA_POLICY_STOP;) {
+    for (size_t first = coupled->windows[0].first; first < last && exchange->policy != DEA_POLICY_STOP;) {
         struct dea_charge_piece pieces[DEA_ZONES];
         size_t next = fit_pieces(coupled, first, fit_tolerance, pieces);
         for (int p = 0; p < coupled->port_count; p++) {
@@ -289,11 +310,11 @@ enum dea_status coupled_exchange(struct coupled *coupled, int index, double hori
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
         double actual = coupled->outlook.capacitance[k];
-        exchange->mismatch = fmax(exchange->mismatch, fabs(reckoned[p] - actual) / actual);
-        struct window_point kept = coupled->windows[p].points[last];
-        coupled->outlook.charge[k] = kept.q;
-        if (window_begin(&coupled->windows[p], &kept) != DEA_OK)
-            return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
+        exchange->mismatch = fmax(exchange->mismatch, fabs(told[p] - missed[p] - actual) / actual);
+        coupled->fading[p] = told[p] - actual;
+        coupled->outlook.charge[k] = coupled->windows[p].points[last].q;
+        window_restart(&coupled->windows[p]);
     }
+    coupled->fading_position = told_position - coupled->outlook.x[0];
     return DEA_OK;
 }

@@ -7,6 +7,12 @@
 #include "cosim/observer.h"
 #include "cosim/window.h"
 
+/* What the circuit says of a port at one of its points. */
+struct port_point {
+    double film_voltage, port_voltage; /* V */
+    double leak;                       /* A */
+};
+
 struct coupled {
     const struct dea_device *device;
     struct dea_plant *plant;
@@ -24,9 +30,14 @@ struct coupled {
     double c0[DEA_ZONES], k[DEA_ZONES]; /* F, F/V^2 */
     double stretch[DEA_ZONES], resistance[DEA_ZONES];
     double position; /* m */
+    /* what the last outlook missed, faded out over the horizon: no jump excites the circuit */
+    double fading[DEA_ZONES], fading_position; /* F, m, at the start of the outlook */
+    double fade;                               /* the part of it told at `told_at` */
     /* the circuit's side of the energy balance, J */
     double film_work, resistive, leakage;
-    struct port_values last[DEA_ZONES]; /* at the last circuit point */
+    struct port_point taken[DEA_ZONES][2]; /* at the last two circuit points */
+    double largest_charge[DEA_ZONES];      /* C, so far */
+    bool pending;                          /* the interval between them has not been booked yet */
 };
 
 /* Electroded zones in the order of their pins; returns how many. */
@@ -47,7 +58,8 @@ double coupled_next_corner(const struct coupled *coupled);
 /* What the circuit asks at time t. */
 double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t);
 
-/* Takes in an accepted circuit point: `ports` of this device. Books work and notes it with the observer. */
+/* Takes in an accepted circuit point: `ports` of this device. Work and rows follow one point later, when the rates of
+ * charge are known, or at the exchange. */
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error);
 

@@ -4,7 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum dea_status window_add(struct window *window, const struct window_point *point) {
+/* Second differences this much apart belong to a corner, not to a smooth curve. */
+#define CORNER_RATIO 10.0
+
+enum dea_status window_add(struct window *window, double t, double q) {
     if (window->count == window->capacity) {
         size_t capacity = window->capacity > 0 ? 2 * window->capacity : 64;
         struct window_point *points = realloc(window->points, capacity * sizeof *points);
@@ -13,13 +16,44 @@ enum dea_status window_add(struct window *window, const struct window_point *poi
         window->points = points;
         window->capacity = capacity;
     }
-    window->points[window->count++] = *point;
+    window->points[window->count++] = (struct window_point){.t = t, .q = q};
     return DEA_OK;
 }
 
-enum dea_status window_begin(struct window *window, const struct window_point *first) {
-    window->count = 0;
-    return window_add(window, first);
+enum dea_status window_begin(struct window *window, double t, double q) {
+    window->first = window->count = 0;
+    return window_add(window, t, q);
+}
+
+void window_restart(struct window *window) {
+    if (window->count < 2)
+        return;
+    window->points[0] = window->points[window->count - 2];
+    window->points[1] = window->points[window->count - 1];
+    window->first = 1;
+    window->count = 2;
+}
+
+static double slope_between(const struct window_point *a, const struct window_point *b) {
+    return (b->q - a->q) / (b->t - a->t);
+}
+
+void window_find_rates(struct window *window, size_t n) {
+    struct window_point *points = window->points, *a = &points[n], *b = &points[n + 1];
+    double h = b->t - a->t, slope = slope_between(a, b), bend_a = 0.0, bend_b = 0.0;
+    bool earlier = n > 0, later = n + 2 < window->count;
+    if (earlier)
+        bend_a = bend_b = (slope - slope_between(&points[n - 1], a)) / (b->t - points[n - 1].t);
+    if (later)
+        bend_b = (slope_between(b, &points[n + 2]) - slope) / (points[n + 2].t - a->t);
+    if (later && !earlier)
+        bend_a = bend_b;
+    if (fabs(bend_a) > CORNER_RATIO * fabs(bend_b))
+        bend_a = bend_b;
+    else if (fabs(bend_b) > CORNER_RATIO * fabs(bend_a))
+        bend_b = bend_a;
+    a->after = slope - bend_a * h;
+    b->before = slope + bend_b * h;
 }
 
 void window_clear(struct window *window) {
@@ -28,12 +62,12 @@ void window_clear(struct window *window) {
 }
 
 void window_hermite(const struct window_point *a, const struct window_point *b, struct dea_charge_piece *piece) {
-    double h = b->t - a->t, slope = (b->q - a->q) / h;
+    double h = b->t - a->t, slope = slope_between(a, b);
     piece->start = a->t;
     piece->c[0] = a->q;
-    piece->c[1] = a->i;
-    piece->c[2] = (3.0 * slope - 2.0 * a->i - b->i) / h;
-    piece->c[3] = (a->i + b->i - 2.0 * slope) / (h * h);
+    piece->c[1] = a->after;
+    piece->c[2] = (3.0 * slope - 2.0 * a->after - b->before) / h;
+    piece->c[3] = (a->after + b->before - 2.0 * slope) / (h * h);
 }
 
 static double piece_value(const struct dea_charge_piece *piece, double t, double *rate) {
@@ -54,8 +88,8 @@ double window_value(const struct window_point *a, const struct window_point *b, 
 static void step_moments(const struct window_point *a, const struct window_point *b, double origin, double *m0,
                          double *m1) {
     double h = b->t - a->t;
-    *m0 = 0.5 * h * (a->q + b->q) + h * h / 12.0 * (a->i - b->i);
-    double local = h * h * (0.15 * a->q + 0.35 * b->q) + h * h * h * (a->i / 30.0 - b->i / 20.0);
+    *m0 = 0.5 * h * (a->q + b->q) + h * h / 12.0 * (a->after - b->before);
+    double local = h * h * (0.15 * a->q + 0.35 * b->q) + h * h * h * (a->after / 30.0 - b->before / 20.0);
     *m1 = local + (a->t - origin) * *m0;
 }
 
@@ -79,7 +113,7 @@ static double worst_impulse(const struct window *window, size_t first, size_t la
     double sum = 0.0, worst = 0.0, before = 0.0;
     for (size_t n = first; n < last; n++) {
         const struct window_point *a = &window->points[n], *b = &window->points[n + 1];
-        double h = b->t - a->t, middle = 0.5 * (a->q + b->q) + 0.125 * h * (a->i - b->i);
+        double h = b->t - a->t, middle = 0.5 * (a->q + b->q) + 0.125 * h * (a->after - b->before);
         double fit_middle = piece_value(piece, a->t + 0.5 * h, NULL), fit_end = piece_value(piece, b->t, NULL);
         double at_middle = middle * middle - fit_middle * fit_middle, at_end = b->q * b->q - fit_end * fit_end;
         sum += h / 6.0 * (before + 4.0 * at_middle + at_end);

@@ -7,22 +7,31 @@
 
 #include <stddef.h>
 
-/* One accepted circuit point: charge and its rate. */
+/* One accepted circuit point. Its charge is exact to the circuit's integration; the rate that integration gives is not:
+ * by trapezoids it rings undamped where a node is stiff. So the rates come from the charges themselves, one for each
+ * side of the point, which may be a corner. */
 struct window_point {
-    double t, q, i; /* s, C, A */
+    double t, q;          /* s, C */
+    double before, after; /* A, at the end of the interval before, at the start of the one after */
 };
 
 struct window {
-    struct window_point *points; /* owned; points[0] is the last exchange */
-    size_t count, capacity;
+    struct window_point *points; /* owned; points[first] is the last exchange, one earlier point may come before it */
+    size_t first, count, capacity;
 };
 
 /* Empties the window and sets its first point. */
-enum dea_status window_begin(struct window *window, const struct window_point *first);
-enum dea_status window_add(struct window *window, const struct window_point *point);
+enum dea_status window_begin(struct window *window, double t, double q);
+enum dea_status window_add(struct window *window, double t, double q);
+/* The last point becomes the first of the next window; the one before it is kept for rates. */
+void window_restart(struct window *window);
 void window_clear(struct window *window);
 
-/* Cubic Hermite through two points; value at t with its rate (may be NULL). */
+/* Rates at both ends of the interval from points[n] to points[n + 1], from the neighbours there are: of the parabolas
+ * through three points the one on each end's own side, or the flatter one for both where they differ as at a corner. */
+void window_find_rates(struct window *window, size_t n);
+
+/* Cubic Hermite through two points with the rates between them; value at t with its rate (may be NULL). */
 void window_hermite(const struct window_point *a, const struct window_point *b, struct dea_charge_piece *piece);
 double window_value(const struct window_point *a, const struct window_point *b, double t, double *rate);
 

@@ -1,0 +1,84 @@
+/* What the coupling delivers for the accuracy asked, at what cost: against an integration of circuit and device as one
+ * system. Usage: stress_cosim [CASE [A ...]] */
+#include "coupled_capture.h"
+#include "coupled_cases.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAMPLES = 6000 };
+
+static void print_row(const char *name, double a, const struct coupled_rows *rows, struct coupled_error e) {
+    const struct dea_run_stats *s = &rows->result.stats_run;
+    printf("%-18s %7.0e %8.3f %8.3f %9.2e %9.2e %8ld %6ld %7ld %8ld %8.1f %.*s%s\n", name, a, e.x / a, e.port / a,
+           rows->result.energy.imbalance, rows->result.coupling_error, s->circuit_points, s->circuit_rejected,
+           s->plant_steps, s->residuals, 1e3 * s->wall_s, rows->result.relaxed, "rrrr",
+           rows->status < 0 ? rows->error.text
+           : e.x > a || e.port > a || !(rows->result.energy.imbalance <= a) || !(rows->result.coupling_error <= a) ||
+                   isnan(e.x)
+               ? "  <<<"
+               : "");
+    fflush(stdout);
+}
+
+static void measure_case(const struct coupled_case *c, const double *accuracies, int count) {
+    struct dea_scene scene;
+    struct coupled_trace trace, coarse;
+    make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &scene);
+    bool good = solve_circuit(&c->circuit, &scene.devices[0].device, 1e-12, SAMPLES, &trace) &&
+                solve_circuit(&c->circuit, &scene.devices[0].device, 1e-11, SAMPLES, &coarse);
+    if (!good) {
+        printf("%-18s no reference\n", c->name);
+        return;
+    }
+    double worst = 0.0, size = 0.0;
+    for (size_t i = 0; i < trace.count; i++) {
+        worst += (trace.x[i] - coarse.x[i]) * (trace.x[i] - coarse.x[i]);
+        size += trace.x[i] * trace.x[i];
+    }
+    struct coupled_rows rows;
+    double native = NAN;
+    if (c->native) {
+        struct dea_scene sources;
+        make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &sources);
+        set_native_sources(&sources, &c->circuit);
+        run_scene(&sources, DEA_ENGINE_AUTO, 1e-9, SAMPLES, &rows);
+        struct coupled_error e = compare_with_trace(&rows, &trace);
+        native = fmax(e.x, e.port);
+        if (rows.status < 0)
+            printf("%s\n", rows.error.text);
+        free_rows(&rows);
+        dea_scene_clear(&sources);
+    }
+    printf("%-18s reference %ld steps, own difference %.1e, native run %.1e\n", c->name, trace.steps,
+           sqrt(worst / size), native);
+    for (int i = 0; i < count; i++) {
+        run_scene(&scene, DEA_ENGINE_NGSPICE, accuracies[i], SAMPLES, &rows);
+        print_row("", accuracies[i], &rows, compare_with_trace(&rows, &trace));
+        free_rows(&rows);
+    }
+    free_trace(&trace);
+    free_trace(&coarse);
+    dea_scene_clear(&scene);
+}
+
+int main(int argc, char **argv) {
+    double accuracies[16] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+    int count = 5;
+    if (argc > 2)
+        for (count = 0; count + 2 < argc && count < 16; count++)
+            accuracies[count] = atof(argv[count + 2]);
+    size_t case_count;
+    const struct coupled_case *cases = list_cases(&case_count);
+    struct test_folder folder;
+    enter_folder(&folder);
+    printf("%-18s %7s %8s %8s %9s %9s %8s %6s %7s %8s %8s\n", "case", "A", "x/A", "port/A", "imbalance", "coupling",
+           "points", "rej.", "steps", "resid.", "ms");
+    for (size_t i = 0; i < case_count; i++)
+        if (argc < 2 || strcmp(argv[1], "all") == 0 || strcmp(argv[1], cases[i].name) == 0)
+            measure_case(&cases[i], accuracies, count);
+    leave_folder(&folder);
+    return 0;
+}

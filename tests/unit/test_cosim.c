@@ -1,0 +1,116 @@
+/* The coupling as a whole: what it delivers for the accuracy asked, against circuit and device integrated as one system
+ * by another program. */
+#include "coupled_capture.h"
+#include "coupled_cases.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SAMPLES = 1500 };
+
+static int enter(void **state) {
+    static struct test_folder folder;
+    enter_folder(&folder);
+    *state = &folder;
+    return 0;
+}
+
+static int leave(void **state) {
+    leave_folder(*state);
+    return 0;
+}
+
+static void check_run(const struct coupled_rows *rows, double a) {
+    if (rows->status != DEA_OK)
+        fail_msg("%s", rows->error.text);
+    assert_true(rows->result.energy.imbalance <= a);
+    assert_true(rows->result.coupling_error <= a);
+    assert_int_equal(rows->result.redone, 0);
+    assert_string_equal(rows->result.stats_run.mode, "cosim");
+}
+
+/* Errors of x and of the port voltages stay below each accuracy asked, and are not far smaller than needed. */
+static void judge_case(const char *name, double coarsest, double finest) {
+    const struct coupled_case *c = find_case(name);
+    assert_non_null(c);
+    struct dea_scene scene;
+    struct coupled_trace trace;
+    make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &scene);
+    assert_true(solve_circuit(&c->circuit, &scene.devices[0].device, 1e-11, SAMPLES, &trace));
+    for (double a = coarsest; a > 0.9 * finest; a *= 0.1) {
+        struct coupled_rows rows;
+        run_scene(&scene, DEA_ENGINE_NGSPICE, a, SAMPLES, &rows);
+        check_run(&rows, a);
+        struct coupled_error e = compare_with_trace(&rows, &trace);
+        if (!(e.x <= a && e.port <= a))
+            fail_msg("%s at A = %.0e: error %.3g A in x, %.3g A at the ports", name, a, e.x / a, e.port / a);
+        free_rows(&rows);
+    }
+    free_trace(&trace);
+    dea_scene_clear(&scene);
+}
+
+static void test_rc_step(void **state) {
+    (void)state;
+    judge_case("rc_step", 1e-2, 1e-6);
+}
+
+static void test_two_side_sine(void **state) {
+    (void)state;
+    judge_case("two_side_sine", 1e-2, 1e-6);
+}
+
+static void test_ladder(void **state) {
+    (void)state;
+    judge_case("ladder", 1e-2, 1e-6);
+}
+
+static void test_rlc(void **state) {
+    (void)state;
+    judge_case("rlc", 1e-2, 1e-4);
+    judge_case("rlc_soft", 1e-2, 1e-5);
+}
+
+static void test_hold_on_leakage(void **state) {
+    (void)state;
+    judge_case("hold", 1e-2, 1e-6);
+    judge_case("film_leak", 1e-2, 1e-4);
+}
+
+static void test_without_mass(void **state) {
+    (void)state;
+    judge_case("massless_ramp", 1e-2, 1e-5);
+    judge_case("massless_bias", 1e-2, 1e-5);
+    judge_case("massless_viscous", 1e-2, 1e-6);
+    judge_case("massless_branches", 1e-2, 1e-5);
+}
+
+static void test_other_drives(void **state) {
+    (void)state;
+    judge_case("r_1k", 1e-3, 1e-4);
+    judge_case("r_1G", 1e-3, 1e-4);
+    judge_case("v_100", 1e-3, 1e-4);
+    judge_case("both_bias", 1e-3, 1e-5);
+    judge_case("reversal", 1e-3, 1e-5);
+    judge_case("r_electrode", 1e-3, 1e-5);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_rc_step, enter, leave),
+        cmocka_unit_test_setup_teardown(test_two_side_sine, enter, leave),
+        cmocka_unit_test_setup_teardown(test_ladder, enter, leave),
+        cmocka_unit_test_setup_teardown(test_rlc, enter, leave),
+        cmocka_unit_test_setup_teardown(test_hold_on_leakage, enter, leave),
+        cmocka_unit_test_setup_teardown(test_without_mass, enter, leave),
+        cmocka_unit_test_setup_teardown(test_other_drives, enter, leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
