@@ -12,24 +12,32 @@
 
 #define SCALE_CURRENT 1e-3 /* A per unit of a state's rate times its time constant */
 
+/* What a node that no voltage source defines is at rest: ngspice's operating point starts there. */
+static void write_guess(FILE *file, const char *node, const char *of, double value) {
+    fprintf(file, ".nodeset v(%s_%s)=%.17g\n", node, of, value);
+}
+
 /* ---- the elastic law ---- */
 
 /* W1 in MPa as an expression of V(lNAME), with I1 - 3 at node e where the law needs it. */
 static void write_law(FILE *file, const struct dea_device *device, int k) {
     const struct dea_law *law = &device->material.elastic;
     const char *zone = dea_zone_names[k];
-    double lam2 = device->prestretch[1], b = 1.0 / (lam2 * lam2);
+    double lam1 = device->prestretch[0], lam2 = device->prestretch[1], b = 1.0 / (lam2 * lam2);
+    double excess = lam1 * lam1 + lam2 * lam2 + b / (lam1 * lam1) - 3.0;
+    double chain = law->kind == DEA_ARRUDA_BOYCE ? sqrt((excess + 3.0) / 3.0) / law->locking_stretch : 0.0;
     if (law->kind == DEA_OGDEN) {
         fprintf(file, "Bw_%s w_%s 0 V=0", zone, zone);
         for (int i = 0; i < law->ogden_terms; i++)
-            fprintf(file, "\n+ + %.17g*(exp(%.17g*ln(V(l_%s))) - exp(%.17g*ln(V(l_%s)*%.17g)))/V(l_%s)",
+            fprintf(file, "\n+ + %.17g*(exp(%.17g*ln(lam(V(s_%s)))) - exp(%.17g*ln(lam(V(s_%s))*%.17g)))/lam(V(s_%s))",
                     1e-6 * law->ogden_mu[i], law->ogden_alpha[i], zone, -law->ogden_alpha[i], zone, lam2, zone);
         fputc('\n', file);
         return;
     }
-    fprintf(file, "Be_%s e_%s 0 V=V(l_%s)*V(l_%s)+%.17g/(V(l_%s)*V(l_%s))+%.17g\n", zone, zone, zone, zone, b, zone,
-            zone, lam2 * lam2 - 3.0);
-    fprintf(file, "Bw_%s w_%s 0 V=2*(V(l_%s)-%.17g/(V(l_%s)*V(l_%s)*V(l_%s)))*", zone, zone, zone, b, zone, zone, zone);
+    fprintf(file, "Be_%s e_%s 0 V=lam(V(s_%s))*lam(V(s_%s))+%.17g/(lam(V(s_%s))*lam(V(s_%s)))+%.17g\n", zone, zone,
+            zone, zone, b, zone, zone, lam2 * lam2 - 3.0);
+    fprintf(file, "Bw_%s w_%s 0 V=2*(lam(V(s_%s))-%.17g/(lam(V(s_%s))*lam(V(s_%s))*lam(V(s_%s))))*", zone, zone, zone,
+            b, zone, zone, zone);
     switch (law->kind) {
     case DEA_GENT:
         fprintf(file, "%.17g/max(%.17g-V(e_%s),%.17g)\n", 0.5e-6 * law->mu * law->jm, law->jm, zone, 1e-6 * law->jm);
@@ -39,10 +47,11 @@ static void write_law(FILE *file, const struct dea_device *device, int k) {
                 3e-6 * law->yeoh[2]);
         break;
     case DEA_ARRUDA_BOYCE: /* node i solves the inverse Langevin function: coth(i) - 1/i = y */
-        fprintf(file, "%.17g*V(i_%s)/V(y_%s)\n", 1e-6 * law->mu / 6.0, zone, zone);
+        fprintf(file, "%.17g*V(i_%s)/lam(V(y_%s))\n", 1e-6 * law->mu / 6.0, zone, zone);
         fprintf(file, "By_%s y_%s 0 V=min(sqrt((V(e_%s)+3)/3)/%.17g,0.999)\n", zone, zone, zone, law->locking_stretch);
-        fprintf(file, "Bi_%s i_%s 0 I=(1/tanh(V(i_%s)+1u)-1/(V(i_%s)+1u)-V(y_%s))*1m\n.nodeset v(i_%s)=1\n", zone, zone,
-                zone, zone, zone, zone);
+        fprintf(file, "Bi_%s i_%s 0 I=(1/tanh(max(V(i_%s),1m))-1/max(V(i_%s),1m)-V(y_%s))*1m\n", zone, zone, zone, zone,
+                zone);
+        write_guess(file, "i", zone, chain * (3.0 - chain * chain) / (1.0 - chain * chain));
         break;
     default:
         fprintf(file, "%.17g\n", 0.5e-6 * law->mu);
@@ -64,15 +73,15 @@ static void write_foo(FILE *file, const struct dea_device *device, int k, int b)
     snprintf(second, sizeof second, "xi2_%s", z);
     /* squared elastic stretches g1, g2 and g3, stresses over mu_b at s1, s2 */
     double lp1 = device->prestretch[0];
-    fprintf(file, "Bg1_%s g1_%s 0 V=V(l_%s)*V(l_%s)/(%.17g*(1+V(%s))*(1+V(%s)))\n", z, z, dea_zone_names[k],
+    fprintf(file, "Bg1_%s g1_%s 0 V=lam(V(s_%s))*lam(V(s_%s))/(%.17g*(1+V(%s))*(1+V(%s)))\n", z, z, dea_zone_names[k],
             dea_zone_names[k], lp1 * lp1, first, first);
     fprintf(file, "Bg2_%s g2_%s 0 V=1/((1+V(%s))*(1+V(%s)))\n", z, z, second, second);
     char soft[320] = "1";
     if (!isinf(branch->jm))
-        snprintf(soft, sizeof soft, "max(1-(V(g1_%s)+V(g2_%s)+1/(V(g1_%s)*V(g2_%s))-3)/%.17g,1e-6)", z, z, z, z,
-                 branch->jm);
-    fprintf(file, "Bs1_%s s1_%s 0 V=(V(g1_%s)-1/(V(g1_%s)*V(g2_%s)))/(%s)\n", z, z, z, z, z, soft);
-    fprintf(file, "Bs2_%s s2_%s 0 V=(V(g2_%s)-1/(V(g1_%s)*V(g2_%s)))/(%s)\n", z, z, z, z, z, soft);
+        snprintf(soft, sizeof soft, "max(1-(V(g1_%s)+V(g2_%s)+1/(lam(V(g1_%s))*lam(V(g2_%s)))-3)/%.17g,1e-6)", z, z, z,
+                 z, branch->jm);
+    fprintf(file, "Bs1_%s s1_%s 0 V=(V(g1_%s)-1/(lam(V(g1_%s))*lam(V(g2_%s))))/(%s)\n", z, z, z, z, z, soft);
+    fprintf(file, "Bs2_%s s2_%s 0 V=(V(g2_%s)-1/(lam(V(g1_%s))*lam(V(g2_%s))))/(%s)\n", z, z, z, z, z, soft);
     fprintf(file, "Bx1_%s 0 %s I=%.17g*(1+V(%s))*(V(s1_%s)-0.5*V(s2_%s))/3\n", z, first, SCALE_CURRENT, first, z, z);
     fprintf(file, "Bx2_%s 0 %s I=%.17g*(1+V(%s))*(V(s2_%s)-0.5*V(s1_%s))/3\n", z, second, SCALE_CURRENT, second, z, z);
     write_state(file, first, branch->tau);
@@ -81,14 +90,16 @@ static void write_foo(FILE *file, const struct dea_device *device, int k, int b)
 
 static void write_network(FILE *file, const struct dea_device *device, int k, int b) {
     const struct dea_branch *branch = &device->material.branches[b];
-    char z[32], first[48], second[48], r[64];
+    char z[32], first[48], second[48], r[160];
     snprintf(z, sizeof z, "%s%d", dea_zone_names[k], b + 1);
     snprintf(first, sizeof first, "a1_%s", z);
     snprintf(second, sizeof second, "a3_%s", z);
-    snprintf(r, sizeof r, "(V(l_%s)/%.17g)", dea_zone_names[k], device->prestretch[0]);
-    fprintf(file, "Bs1_%s s1_%s 0 V=%s^2*(1+V(%s))-(1+V(%s))/%s^2\n", z, z, r, first, second, r);
-    fprintf(file, "Bx1_%s 0 %s I=%.17g*(1/%s^2-1-V(%s))\n", z, first, SCALE_CURRENT, r, first);
-    fprintf(file, "Bx2_%s 0 %s I=%.17g*(%s^2-1-V(%s))\n", z, second, SCALE_CURRENT, r, second);
+    /* r: square of lam1/lp1 */
+    snprintf(r, sizeof r, "(lam(V(s_%s))*lam(V(s_%s))/%.17g)", dea_zone_names[k], dea_zone_names[k],
+             device->prestretch[0] * device->prestretch[0]);
+    fprintf(file, "Bs1_%s s1_%s 0 V=%s*(1+V(%s))-(1+V(%s))/%s\n", z, z, r, first, second, r);
+    fprintf(file, "Bx1_%s 0 %s I=%.17g*(1/%s-1-V(%s))\n", z, first, SCALE_CURRENT, r, first);
+    fprintf(file, "Bx2_%s 0 %s I=%.17g*(%s-1-V(%s))\n", z, second, SCALE_CURRENT, r, second);
     write_state(file, first, branch->tau);
     write_state(file, second, branch->tau);
 }
@@ -100,9 +111,9 @@ static void write_maxwell(FILE *file, const struct dea_device *device, int k, in
     const struct dea_dielectric *d = &device->material.dielectric;
     double lp1 = device->prestretch[0], h = device->thickness * lp1;
     double factor = 1e-6 * 0.5 * DEA_VACUUM_PERMITTIVITY * 1e6 / (h * h); /* volts in kV */
-    fprintf(file, "Bm_%s m_%s 0 V=%.17g*V(f%d,n%d)*V(f%d,n%d)*1u*V(l_%s)*(%.17g+%.17g*V(l_%s))\n", dea_zone_names[k],
-            dea_zone_names[k], factor, port, port, port, port, dea_zone_names[k], 2.0 * d->permittivity,
-            3.0 * d->permittivity_slope, dea_zone_names[k]);
+    fprintf(file, "Bm_%s m_%s 0 V=%.17g*V(f%d,n%d)*V(f%d,n%d)*1u*lam(V(s_%s))*(%.17g+%.17g*lam(V(s_%s)))\n",
+            dea_zone_names[k], dea_zone_names[k], factor, port, port, port, port, dea_zone_names[k],
+            2.0 * d->permittivity, 3.0 * d->permittivity_slope, dea_zone_names[k]);
 }
 
 static void write_electrode(FILE *file, const struct dea_device *device, int k, int port) {
@@ -115,21 +126,23 @@ static void write_electrode(FILE *file, const struct dea_device *device, int k, 
         double sheet = 2.0 * zone->sheet_resistance / 3.0, aspect = zone->length / (lp1 * device->width);
         fprintf(file, "Br_%s p%d f%d I=V(p%d,f%d)/(%.17g+%.17g*", name, port, port, port, port,
                 zone->electrode_resistance, sheet);
-        fprintf(file, zone->feed == DEA_FEED_LONG_EDGE ? "%.17g*V(l_%s))\n" : "1/(%.17g*V(l_%s)))\n", aspect, name);
+        fprintf(file, zone->feed == DEA_FEED_LONG_EDGE ? "%.17g*lam(V(s_%s)))\n" : "1/(%.17g*lam(V(s_%s))))\n", aspect,
+                name);
     } else if (zone->electrode_resistance > 0.0) {
         fprintf(file, "R_%s p%d f%d %.17g\n", name, port, port, zone->electrode_resistance);
     } else {
         fprintf(file, "V_%s p%d f%d 0\n", name, port, port);
     }
     /* charge in units of C0 1 kV: current of an inductor whose voltage is dQ/dt */
-    fprintf(file, "Bq_%s 0 q_%s I=V(f%d,n%d)*1m*(V(l_%s)/%.17g)^2*(%.17g+%.17g*V(l_%s))\n", name, name, port, port,
-            name, lp1, d->permittivity / rest, d->permittivity_slope / rest, name);
+    fprintf(file, "Bq_%s 0 q_%s I=V(f%d,n%d)*1m*lam(V(s_%s))*lam(V(s_%s))*(%.17g+%.17g*lam(V(s_%s)))/%.17g\n", name,
+            name, port, port, name, name, d->permittivity / rest, d->permittivity_slope / rest, name, lp1 * lp1);
     fprintf(file, "Lq_%s q_%s 0 %.17g\nGq_%s f%d n%d q_%s 0 1\n", name, name, unit, name, port, port, name);
     if (d->conductivity > 0.0) {
         double ohmic = d->conductivity * device->width * zone->length / (lp1 * lp1 * device->thickness);
-        fprintf(file, "Bl_%s f%d n%d I=%.17g*V(f%d,n%d)*V(l_%s)^2", name, port, port, ohmic, port, port, name);
+        fprintf(file, "Bj_%s f%d n%d I=%.17g*V(f%d,n%d)*lam(V(s_%s))*lam(V(s_%s))", name, port, port, ohmic, port, port,
+                name, name);
         if (!isinf(d->conductivity_field))
-            fprintf(file, "*exp(min(60,abs(V(f%d,n%d))*V(l_%s)*%.17g))", port, port, name,
+            fprintf(file, "*exp(min(60,abs(V(f%d,n%d))*lam(V(s_%s))*%.17g))", port, port, name,
                     1.0 / (device->thickness * lp1 * d->conductivity_field));
         fputc('\n', file);
     }
@@ -154,19 +167,21 @@ static void write_zone(FILE *file, const struct dea_device *device, int k, int p
     }
     fprintf(file, "Bn_%s net_%s 0 V=V(w_%s)", name, name, name);
     for (int b = 0; b < material->branch_count; b++)
-        fprintf(file, "\n+ + %.17g*V(s1_%s%d)/V(l_%s)", 1e-6 * material->branches[b].mu, name, b + 1, name);
+        fprintf(file, "\n+ + %.17g*V(s1_%s%d)/lam(V(s_%s))", 1e-6 * material->branches[b].mu, name, b + 1, name);
     fprintf(file, zone->electroded ? "\n+ - V(m_%s)\n" : "\n", name);
 
-    /* stretch: geometric (a), or where the net stress vanishes if that is longer: min(l - a, net) = 0 */
-    double modulus = 1e-6 * dea_law_modulus(&material->elastic);
+    /* stretch: geometric (a), or where the net stress vanishes if that is longer: min(s - a, net) = 0; never below what
+     * makes sense, so that a wild iterate stays finite */
+    double modulus = 1e-6 * dea_law_modulus(&material->elastic), lp1 = device->prestretch[0];
     if (device->slack)
-        fprintf(file, "Bs_%s l_%s 0 I=1m*min(V(l_%s)-V(a_%s),V(net_%s)/%.17g)\n.nodeset v(l_%s)=%.17g\n", name, name,
-                name, name, name, modulus, name, device->prestretch[0]);
+        fprintf(file, "Bs_%s s_%s 0 I=1m*min(V(s_%s)-V(a_%s),V(net_%s)/%.17g)\n", name, name, name, name, name,
+                modulus);
     else
-        fprintf(file, "Es_%s l_%s 0 a_%s 0 1\n", name, name, name);
-    double section = 1e6 * device->width * device->thickness * device->prestretch[0];
+        fprintf(file, "Es_%s s_%s 0 a_%s 0 1\n", name, name, name);
+    double section = 1e6 * device->width * device->thickness * lp1;
     fprintf(file, device->slack ? "Bt_%s t_%s 0 V=%.17g*max(V(net_%s),0)\n" : "Bt_%s t_%s 0 V=%.17g*V(net_%s)\n", name,
             name, section, name);
+    write_guess(file, "s", name, lp1);
 }
 
 /* ---- the platform ---- */
@@ -181,6 +196,7 @@ static void write_platform(FILE *file, const struct dea_device *device) {
         fprintf(file, "\n+ -%.17g*max(V(x)*1m-%.17g,0)+%.17g*max(%.17g-V(x)*1m,0)", device->stop_stiffness,
                 device->stops[1], device->stop_stiffness, device->stops[0]);
     fputc('\n', file);
+    fprintf(file, ".nodeset v(x)=0\n%s", m > 0.0 ? ".nodeset v(vel)=0\n" : "");
     fprintf(file, "Epos pos 0 x 0 1\n"); /* the pin may be loaded, the state must not be */
     double per_mm = SCALE_CURRENT / (k * 1e-3);
     if (m > 0.0) {
@@ -202,6 +218,7 @@ static void write_device(FILE *file, const char *name, const struct dea_device *
     for (int p = 0; p < ports; p++)
         fprintf(file, " p%d n%d", p, p);
     fprintf(file, " pos%s\n", load_pin ? " load" : "");
+    fprintf(file, ".func lam(v)={max(v,0.05)}\n");
     if (!load_pin)
         fprintf(file, "Vload load 0 0\n");
     for (int k = 0; k < DEA_ZONES; k++) {
