@@ -14,7 +14,7 @@
 /* How the asked accuracy A is shared out. The numbers come from tests/stress/cosim.c, which compares with circuit and
  * device integrated as one system: with them all parts weigh about the same, and the delivered error is a fraction of A
  * at every A from 1e-2 to 1e-6. */
-#define PLANT_SHARE 0.07    /* of A, to the plants */
+#define PLANT_SHARE 0.5     /* of A, to the plants */
 #define COUPLING_SHARE 0.01 /* of A, to the mismatch of one exchange */
 #define FIT_SHARE 0.02      /* of A, to the charge fits */
 /* ngspice integrates at second order: its steps go as (reltol trtol)^(1/3) and its error as their square, so the
@@ -160,8 +160,9 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     for (int i = 0; i < run->count; i++) {
         const struct dea_netlist_instance *instance = &run->netlist->instances[i];
         const struct dea_device *device = &scene->devices[instance->device].device;
-        DEA_TRY(coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL,
-                               PLANT_SHARE * scene->accuracy, expect_voltage(device), error));
+        struct coupled_demand demand = {PLANT_SHARE * scene->accuracy, run->stop, expect_voltage(device)};
+        DEA_TRY(
+            coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL, &demand, error));
         DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
         run->observed[i] = (struct observed){run->devices[i].plant, device,
                                              run->count == 1 ? NULL

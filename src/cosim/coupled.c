@@ -18,13 +18,16 @@ int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
 }
 
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
-                               const struct dea_waveform *load, double accuracy, double peak, struct dea_error *error) {
+                               const struct dea_waveform *load, const struct coupled_demand *demand,
+                               struct dea_error *error) {
     *coupled = (struct coupled){.device = device, .load = load, .told_at = NAN};
-    struct dea_plant_options options = {
-        .accuracy = accuracy, .load_peak = fabs(device->load) + (load != NULL ? dea_waveform_peak(load) : 0.0)};
+    struct dea_plant_options options = {.accuracy = demand->accuracy,
+                                        .duration = demand->duration,
+                                        .load_peak =
+                                            fabs(device->load) + (load != NULL ? dea_waveform_peak(load) : 0.0)};
     coupled->port_count = coupled_order_ports(device, coupled->zones);
     for (int p = 0; p < coupled->port_count; p++)
-        options.ports[coupled->zones[p]] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = peak};
+        options.ports[coupled->zones[p]] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = demand->peak};
     return dea_plant_create(device, &options, &coupled->plant, error);
 }
 

@@ -43,9 +43,17 @@ struct coupled {
 /* Electroded zones in the order of their pins; returns how many. */
 int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]);
 
+/* What a run expects of its plants. */
+struct coupled_demand {
+    double accuracy; /* relative */
+    double duration; /* s */
+    double peak;     /* largest voltage at a port, V */
+};
+
 /* Creates the plant with one charge port per electroded zone. */
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
-                               const struct dea_waveform *load, double accuracy, double peak, struct dea_error *error);
+                               const struct dea_waveform *load, const struct coupled_demand *demand,
+                               struct dea_error *error);
 void coupled_clear(struct coupled *coupled);
 
 /* Rests the device at these film voltages (per port): start state and outlook. */

@@ -65,6 +65,7 @@ static unsigned watched_events(const struct dea_scene *scene) {
 static enum dea_status create_plant(struct native_run *run, struct dea_error *error) {
     const struct dea_scene *scene = run->scene;
     struct dea_plant_options options = {.accuracy = scene->accuracy,
+                                        .duration = run->stop,
                                         .max_step = scene->max_step,
                                         .network = run->network,
                                         .settle_time = SETTLE_RATIO * run->stop};

@@ -146,7 +146,8 @@ double plant_algebraic_rate(const struct dea_plant *plant, double t, const doubl
 
 double plant_stretch_rate(const struct dea_plant *plant, int k, double rate_x) {
     const struct zone_point *point = &plant->points[k];
-    double rate = point->film.dlam_dx * rate_x + point->film.dlam_de * point->e_rate;
+    double e_rate = plant->zones[k].kind == DEA_PORT_SOURCE ? point->current - point->leak : point->e_rate;
+    double rate = point->film.dlam_dx * rate_x + point->film.dlam_de * e_rate;
     for (int b = 0; b < plant->device->material.branch_count; b++)
         for (int i = 0; i < 2; i++)
             rate += point->film.dlam_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
@@ -172,28 +173,19 @@ void plant_losses(const struct dea_plant *plant, double t, double x, double rate
             losses[LOSS_BRANCH] += device->zones[k].volume * point->branches[b].dissipation;
         if (zone->kind == DEA_PORT_PASSIVE)
             continue;
-        if (zone->kind == DEA_PORT_CHARGE || zone->kind == DEA_PORT_NETWORK) {
-            /* V dQ = d(Q V / 2) + V^2 dC / 2: slow, however fast a circuit makes the charge ring */
-            double slope;
-            dea_zone_capacitance(device, k, point->film.lam, &slope, NULL);
-            losses[LOSS_WORK] +=
-                0.5 * point->film.voltage * point->film.voltage * slope * plant_stretch_rate(plant, k, rate_x);
-            if (zone->kind == DEA_PORT_CHARGE) /* leakage and R_e belong to the circuit */
-                continue;
-            double through = point->film.voltage * point->leak;
-            double across = zone->resistive ? (point->emf - point->film.voltage) * point->current : 0.0;
-            losses[LOSS_LEAKAGE] += through;
-            losses[LOSS_RESISTIVE] += across;
-            losses[LOSS_WORK] += through + across;
+        /* V dQ = d(Q V / 2) + V^2 dC / 2: slow, however fast a circuit makes the charge ring, and free of the rounding
+         * of a current that is the small difference of two voltages */
+        double slope;
+        dea_zone_capacitance(device, k, point->film.lam, &slope, NULL);
+        losses[LOSS_WORK] +=
+            0.5 * point->film.voltage * point->film.voltage * slope * plant_stretch_rate(plant, k, rate_x);
+        if (zone->kind == DEA_PORT_CHARGE) /* leakage and R_e belong to the circuit */
             continue;
-        }
-        double leaked = point->film.voltage * point->leak;
-        losses[LOSS_LEAKAGE] += leaked;
-        if (zone->kind == DEA_PORT_SOURCE) {
-            losses[LOSS_WORK] += point->emf * point->current;
-            losses[LOSS_RESISTIVE] += (point->emf - point->film.voltage) * point->current;
-        } else { /* V dQ = d(Q V) - Q dV: needs no rate of an algebraic unknown */
-            losses[LOSS_WORK] += leaked - point->film.charge * point->e_rate;
-        }
+        bool resistive = zone->kind == DEA_PORT_SOURCE || zone->resistive;
+        double through = point->film.voltage * point->leak;
+        double across = resistive ? (point->emf - point->film.voltage) * point->current : 0.0;
+        losses[LOSS_LEAKAGE] += through;
+        losses[LOSS_RESISTIVE] += across;
+        losses[LOSS_WORK] += through + across;
     }
 }

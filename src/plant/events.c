@@ -2,11 +2,12 @@
  * time. */
 #include "plant/integrator.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #define LIMIT_MARGIN 1e-3 /* of the elastic law, D/Jm */
-#define ROOT_NOISE 1e-9   /* a root just located is neither side */
+#define HYSTERESIS 1e-9   /* a limit just crossed must be left by this much, so that rounding is no event */
 
 static double breakdown_reserve(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
@@ -65,8 +66,12 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
     plant->rates_now = up;
     if (plant_evaluate(plant, t, u, plant_velocity(plant, u, up), false) != DEA_OK)
         return 1;
-    for (int i = 0; i < plant->root_count; i++)
-        values[i] = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
+    for (int i = 0; i < plant->root_count; i++) {
+        double value = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
+        if (plant->violated[i])
+            value -= HYSTERESIS;
+        values[i] = value != 0.0 ? value : DBL_MIN; /* IDA cannot leave a function that stays at 0 */
+    }
     return 0;
 }
 
@@ -119,9 +124,8 @@ void dea_plant_conditions(struct dea_plant *plant, dea_event_found found, void *
     if (plant_root_functions(plant->t, plant->y, plant->yp, values, plant) != 0)
         return; /* outside the model: the next step says so */
     for (int i = 0; i < plant->root_count; i++) {
-        bool violated = values[i] < -ROOT_NOISE;
-        bool clear = values[i] > ROOT_NOISE;
-        if ((violated && !plant->violated[i]) || (clear && plant->violated[i])) {
+        bool violated = values[i] < 0.0;
+        if (violated != plant->violated[i]) {
             plant->violated[i] = violated;
             found(context, plant->roots[i].kind, plant->roots[i].zone, !violated);
         }

@@ -10,6 +10,18 @@ enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_err
 /* Notes the stored energy and boundary terms the audit starts from. */
 enum dea_status plant_open_books(struct dea_plant *plant, struct dea_error *error);
 
+/* tolerance.c */
+/* Step tolerance and rounding of the unknowns from the promised accuracy. */
+void plant_set_tolerance(struct dea_plant *plant);
+/* IDA's weight function. */
+int plant_weigh(N_Vector y, N_Vector weights, void *context);
+/* Notes how large the unknowns have become. */
+void plant_note_sizes(struct dea_plant *plant);
+/* Sets the tolerance of the loss integrals by the energy moved so far. */
+bool plant_judge_energy(struct dea_plant *plant);
+/* Length of the first step after a restart, at most a part of `length`, s. */
+double plant_first_step(struct dea_plant *plant, double length);
+
 /* evaluate.c: pieces of a zone's evaluation that the static start uses too. */
 void plant_leak_through_film(const struct dea_plant *plant, int zone, struct zone_point *point);
 void plant_drive_current(const struct dea_plant *plant, int zone, struct zone_point *point);

@@ -63,16 +63,20 @@ static void set_scales(struct dea_plant *plant) {
     double x = expect_displacement(plant);
     double stiffness = device->stiffness > 0.0 ? device->stiffness : 1.0;
     plant->scale[plant->x] = x;
-    if (plant->v != ABSENT)
+    if (plant->v != ABSENT) {
         plant->scale[plant->v] = x * sqrt(stiffness / device->effective_mass);
+        plant->follows[plant->v] = true;
+    }
     for (int k = 0; k < DEA_ZONES; k++) {
         const struct zone_layout *zone = &plant->zones[k];
         if (!zone->present)
             continue;
         double volts = plant->options.ports[k].peak > 0.0 ? plant->options.ports[k].peak : 1.0;
         if (zone->branch != ABSENT)
-            for (int i = 0; i < 2 * device->material.branch_count; i++)
+            for (int i = 0; i < 2 * device->material.branch_count; i++) {
                 plant->scale[zone->branch + i] = x / device->zones[k].length;
+                plant->follows[zone->branch + i] = true;
+            }
         if (zone->amplifier != ABSENT)
             plant->scale[zone->amplifier] = volts;
         if (zone->charge != ABSENT)
@@ -93,8 +97,6 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     for (int k = 0; k < DEA_ZONES; k++) {
         const struct dea_plant_port *port = &plant->options.ports[k];
         lay_out_zone(device, &plant->zones[k], k, port, &count);
-        plant->charge_driven =
-            plant->charge_driven || plant->zones[k].kind == DEA_PORT_CHARGE || plant->zones[k].kind == DEA_PORT_NETWORK;
         if (plant->zones[k].kind == DEA_PORT_SOURCE && port->resistance <= 0.0 &&
             device->zones[k].electrode_resistance <= 0.0 && device->zones[k].sheet_resistance <= 0.0)
             return dea_fail(
@@ -107,7 +109,8 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     plant->state_count = count;
     plant->scale = calloc((size_t)count, sizeof *plant->scale);
     plant->largest = calloc((size_t)count, sizeof *plant->largest);
-    if (plant->scale == NULL || plant->largest == NULL)
+    plant->follows = calloc((size_t)count, sizeof *plant->follows);
+    if (plant->scale == NULL || plant->largest == NULL || plant->follows == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d states", count);
     for (int k = 0; k < DEA_ZONES; k++) {
         int branches = device->material.branch_count;

@@ -69,7 +69,6 @@ struct dea_plant {
     int x, v; /* v is ABSENT without mass */
     struct zone_layout zones[DEA_ZONES];
     int state_count;
-    bool charge_driven;                  /* some charge is imposed: its work needs the rate of the stretch */
     double *scale;                       /* SI per unit of each unknown */
     int network, network_count;          /* first unknown of the linear circuit, ABSENT without; how many */
     double *row_scale;                   /* of the circuit's rows, A or V */
@@ -88,9 +87,10 @@ struct dea_plant {
     N_Vector y, yp, id, rates, sample_y, sample_yp, quad, sample_quad;
     SUNMatrix matrix;
     SUNLinearSolver solver;
-    double *largest; /* running maximum of |y_i|, for the weights */
-    double rtol;
-    int *slots; /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
+    double *largest;       /* running maximum of |y_i|, for the weights */
+    bool *follows;         /* unknowns whose errors are weighed by the displacement's size */
+    double rtol, rounding; /* of a step, relative and, per scaled unknown, absolute */
+    int *slots;            /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
     bool sparse, slack_pattern;
     sunindextype *column_starts, *entry_rows; /* the sparse pattern; IDA wipes the matrix's own before each Jacobian */
     double t, t_previous;
@@ -142,7 +142,7 @@ void plant_rates(const struct dea_plant *plant, double t, const double *y, doubl
 void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses);
 /* Velocity of the platform from the unknowns (m/s); `yp` serves the massless cases. */
 double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp);
-/* d(lam)/dt of a zone whose charge or voltage is imposed, 1/s. Uses the last evaluation, with derivatives. */
+/* d(lam)/dt of an electroded zone, 1/s. Uses the last evaluation, with derivatives. */
 double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x);
 /* dx/dt of a massless, undamped platform, from the derivative of the force balance. Uses the last evaluation. */
 double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);
@@ -174,7 +174,7 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
 /* signals.c */
 /* Energy stored in films, platform and stops, J. Uses the last evaluation. */
 enum dea_status plant_stored_energy(struct dea_plant *plant, const double *y, double *energy);
-/* [0] sum of Q V over ideal ports and Q V / 2 over charge ports, [1] load times x (J): boundary terms of the imposed
+/* [0] sum of Q V / 2 over the ports, [1] load times x (J): boundary terms of the imposed
  * work. Uses the last evaluation.
  */
 void plant_imposed_energy(const struct dea_plant *plant, double t, double x, double imposed[2]);

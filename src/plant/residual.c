@@ -25,12 +25,14 @@ int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, vo
 
 enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const double *y, double velocity,
                                        double *losses) {
-    DEA_TRY(plant_evaluate(plant, t, y, velocity, plant->charge_driven));
-    if (plant->charge_driven && plant->motion == MOTION_ALGEBRAIC) {
+    DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
+    if (plant->motion == MOTION_ALGEBRAIC) {
         double *state_rates = N_VGetArrayPointer(plant->rates);
         plant_rates(plant, t, y, state_rates);
         velocity = plant_algebraic_rate(plant, t, state_rates);
     }
+    if (plant->motion == MOTION_VISCOUS) /* the force says it more accurately than the integrator's derivative */
+        velocity = plant->force / plant->device->damping;
     plant_losses(plant, t, y[plant->x] * plant->scale[plant->x], velocity, losses);
     return DEA_OK;
 }

@@ -205,9 +205,7 @@ void plant_imposed_energy(const struct dea_plant *plant, double t, double x, dou
     imposed[0] = 0.0;
     for (int k = 0; k < DEA_ZONES; k++) {
         const struct dea_film *film = &plant->points[k].film;
-        if (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_IDEAL)
-            imposed[0] += film->charge * film->voltage;
-        else if (plant->zones[k].present && plant->charge_driven && plant->zones[k].kind != DEA_PORT_PASSIVE)
+        if (plant->zones[k].present && plant->zones[k].kind != DEA_PORT_PASSIVE)
             imposed[0] += 0.5 * film->charge * film->voltage;
     }
     imposed[1] = dea_piece_value(&plant->inputs.load, t, NULL) * x;

@@ -269,8 +269,22 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
 
 /* ---- restarts ---- */
 
+/* Adds `sign` times what the books miss of the boundary terms at a jump: they hold [Q V / 2] of every port, while an
+ * ideal source does [Q V] - int Q dV and any other port, its charge frozen, nothing. */
+static enum dea_status book_boundary(struct dea_plant *plant, double sign) {
+    DEA_TRY(balance_platform(plant, plant->t));
+    DEA_TRY(plant_evaluate(plant, plant->t, N_VGetArrayPointer(plant->y), 0.0, false));
+    for (int k = 0; k < DEA_ZONES; k++) {
+        enum dea_port_kind kind = plant->zones[k].kind;
+        double part = kind == DEA_PORT_IDEAL ? 0.5 : -0.5;
+        if (plant->zones[k].present && kind != DEA_PORT_PASSIVE)
+            plant->jump_work[0] += sign * part * plant->points[k].film.charge * plant->points[k].film.voltage;
+    }
+    return DEA_OK;
+}
+
 /* Work of the imposed voltages and load along a jump: the limit of a fast ramp, along which every differential unknown
- * is frozen and an algebraic platform follows. W = [Q V] - int Q dV; here the integral, by Gauss-Legendre on panels. */
+ * is frozen and an algebraic platform follows. W = [Q V] - int Q dV; the integral by Gauss-Legendre on panels. */
 static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant_inputs *next) {
     enum { PANELS = 16 };
     static const double nodes[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
@@ -287,6 +301,7 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
     if (size == 0.0 && load_jump == 0.0)
         return DEA_OK;
     double *y = N_VGetArrayPointer(plant->y);
+    DEA_TRY(book_boundary(plant, -1.0));
     for (int p = 0; p < PANELS; p++) {
         for (int g = 0; g < 3; g++) {
             double s = (p + 0.5 + 0.5 * nodes[g]) / PANELS, weight = 0.5 * weights[g] / PANELS;
@@ -310,7 +325,8 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
             plant->jump_work[1] -= weight * y[plant->x] * plant->scale[plant->x] * load_jump;
         }
     }
-    return DEA_OK;
+    plant->inputs = *next;
+    return book_boundary(plant, 1.0);
 }
 
 enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
