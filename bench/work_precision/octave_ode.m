@@ -70,10 +70,10 @@ function rows = solve(p, corners, spans, rtol)
 end
 
 warning("off", "all");
-arguments = argv();
-folder = arguments{end - 1};
-scope = arguments{end};
-raw = jsondecode(fileread(arguments{end - 2}));
+given = argv();
+folder = given{end - 1};
+scope = given{end};
+raw = jsondecode(fileread(given{end - 2}));
 p = struct("stop", raw.stop, "rows", raw.rows, "width", raw.width, "thickness", raw.thickness, "lp1", raw.lp1, ...
            "lp2", raw.lp2, "mu", raw.mu, "jm", raw.jm, "eps", raw.permittivity, "mass", raw.mass, ...
            "damping", raw.damping, "load", raw.load, "n", numel(raw.zones), "b", numel(raw.branches));
