@@ -51,7 +51,6 @@ struct cosim {
     double rest_change;    /* largest relative change of the last round */
     /* exchange */
     double horizon, exchanged_at, reached, slowest; /* s */
-    double largest_charge;                          /* C, what a film is meant to hold */
     double worst_mismatch;
     long exchanges;
     enum dea_status status; /* kept from callbacks that cannot fail */
@@ -170,9 +169,6 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
                                                              : instance->path,
                                              true};
         run->slowest = fmax(run->slowest, natural_time(device));
-        for (int p = 0; p < run->devices[i].port_count; p++)
-            run->largest_charge = fmax(run->largest_charge, device->zones[run->devices[i].zones[p]].rest_capacitance *
-                                                                expect_voltage(device));
         char states[1024];
         dea_report_detail(run->options->report, "%s: states: %s", instance->path,
                           dea_plant_describe(run->devices[i].plant, states, sizeof states));
@@ -180,16 +176,22 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     return DEA_OK;
 }
 
-static void set_circuit_tolerances(struct cosim *run, int relaxed) {
-    double accuracy = run->scene->accuracy, looser = pow(RELAXATION, relaxed);
-    run->deck_options = (struct dea_deck_options){
-        .stop = run->stop,
-        .step = run->netlist->tran.step,
-        .max_step = run->netlist->tran.max_step,
-        .uic = run->netlist->tran.uic,
-        .reltol = fmin(1e-3, NEWTON_SHARE * accuracy * looser),
-        .trtol = fmin(TRUNCATION_FACTOR * sqrt(accuracy) * looser, 7.0),
-        .chgtol = SMALLEST_CHARGE * run->largest_charge,
+void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop, int relaxed,
+                             struct dea_deck_options *options) {
+    double looser = pow(RELAXATION, relaxed), largest_charge = 0.0;
+    for (int d = 0; d < scene->device_count; d++) {
+        const struct dea_device *device = &scene->devices[d].device;
+        for (int k = 0; k < DEA_ZONES; k++)
+            largest_charge = fmax(largest_charge, device->zones[k].rest_capacitance * expect_voltage(device));
+    }
+    *options = (struct dea_deck_options){
+        .stop = stop,
+        .step = netlist->tran.step,
+        .max_step = netlist->tran.max_step,
+        .uic = netlist->tran.uic,
+        .reltol = fmin(1e-3, NEWTON_SHARE * scene->accuracy * looser),
+        .trtol = fmin(TRUNCATION_FACTOR * sqrt(scene->accuracy) * looser, 7.0),
+        .chgtol = SMALLEST_CHARGE * largest_charge,
     };
 }
 
@@ -425,7 +427,7 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
     if (status == DEA_OK)
         status = create_devices(&run, error);
     if (status == DEA_OK) {
-        set_circuit_tolerances(&run, relaxed);
+        cosim_choose_tolerances(scene, netlist, run.stop, relaxed, &run.deck_options);
         status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
     }
     if (status == DEA_OK)

@@ -22,6 +22,12 @@ enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
                                   struct dea_error *error);
 
+/* How ngspice runs: what the netlist's .tran asks for, and tolerances for the scene's accuracy, loosened `relaxed`
+ * times.
+ */
+void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop, int relaxed,
+                             struct dea_deck_options *options);
+
 /* Runs the coupled scene in this process, the circuit's tolerances loosened `relaxed` times. `channel` (may be NULL) is
  * told of progress and asked whether to stop. */
 enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
