@@ -33,7 +33,7 @@ static double answer(void *context, int instance, int port, enum dea_external wh
     case DEA_EXTERNAL_POSITION:
         return run->position;
     default:
-        return 0.0; /* no curvature; the benchmark's devices have neither leakage nor sheet resistance */
+        return 0.0; /* no offset; the benchmark's devices have neither leakage nor sheet resistance */
     }
 }
 

@@ -61,12 +61,10 @@ static enum dea_status add_port(struct builder *builder, const struct dea_port *
     }
 
     DEA_TRY(add(builder, -1, "Vc%d c%d 0 external", i, i));
-    if (port->curvature) {
-        DEA_TRY(add(builder, -1, "Vk%d k%d 0 external", i, i));
-        DEA_TRY(add(builder, -1, "Bq%d 0 q%d I=V(%s,n%d)*1e-3*(V(c%d)+V(k%d)*V(%s,n%d)*V(%s,n%d)*1e-6)", i, i, film, i,
-                    i, i, film, i, film, i));
-    } else {
-        DEA_TRY(add(builder, -1, "Bq%d 0 q%d I=V(%s,n%d)*1e-3*V(c%d)", i, i, film, i, i));
+    DEA_TRY(add(builder, -1, "Bq%d 0 q%d I=V(%s,n%d)*V(c%d)", i, i, film, i, i));
+    if (port->offset) {
+        DEA_TRY(add(builder, -1, "Vd%d d%d 0 external", i, i));
+        DEA_TRY(add(builder, -1, "Gd%d 0 q%d d%d 0 1", i, i, i));
     }
     if (uic)
         DEA_TRY(add(builder, -1, "Lq%d q%d 0 %.17g ic=%.17g", i, i, unit, port->initial_charge / unit));

@@ -1,7 +1,10 @@
 /* The deck the engine runs: the user's lines, one subcircuit per device, our own .tran, .save and .options.
  *
- * Per electroded zone the film is a charge Q = (c0 + k V^2) V with c0 and k EXTERNAL numbers:
- *     Bq 0 q I = V(p,n)/1kV (c + k (V(p,n)/1kV)^2)      in units of Q1 = rest capacitance x 1 kV
+ * Per electroded zone the film is a charge Q = c V + q0 with c and q0 EXTERNAL numbers, in units of Q1 = rest
+ * capacitance x 1 kV. The one product is the only thing ngspice has to derive: longer expressions cost more than a
+ * converter's whole power stage.
+ *     Bq 0 q I = V(p,n) V(c)
+ *     Gd 0 q d 0 1                                       q0, where the coupling asks for it
  *     Lq q 0 Q1 (1 V/A)                                  the state is the inductor's current: charge in units of Q1
  *     Gq p n q 0 1                                       1 V at q is 1 A of dQ/dt
  * State of order 1, and a tolerance of vntol = 1 uA on the current: tighter than that, rounding noise C dV/dt of a kV
@@ -14,8 +17,8 @@
 
 /* What the coupling feeds into a device instance. SI units. */
 enum dea_external {
-    DEA_EXTERNAL_CAPACITANCE, /* c0, F */
-    DEA_EXTERNAL_CURVATURE,   /* k in C = c0 + k V^2, F/V^2 */
+    DEA_EXTERNAL_CAPACITANCE, /* c in Q = c V + q0, F */
+    DEA_EXTERNAL_OFFSET,      /* q0, C */
     DEA_EXTERNAL_RESISTANCE,  /* R_e, Ohm */
     DEA_EXTERNAL_STRETCH,     /* lam1, for the leakage */
     DEA_EXTERNAL_POSITION,    /* x, m (zone is -1); the pin shows 1 V per mm */
@@ -24,8 +27,8 @@ enum dea_external {
 
 /* Electrical side of one electroded zone. */
 struct dea_port {
-    double rest_capacitance;   /* scale of c0, F */
-    bool curvature;            /* ask for DEA_EXTERNAL_CURVATURE; false: k = 0 */
+    double rest_capacitance;   /* scale of c, F */
+    bool offset;               /* ask for DEA_EXTERNAL_OFFSET; false: q0 = 0 */
     double resistance;         /* series R_e, Ohm; with resistance_external its value at rest; 0: none */
     bool resistance_external;  /* ask for DEA_EXTERNAL_RESISTANCE */
     double conductivity;       /* s0, S/m; 0: no leakage */

@@ -15,7 +15,7 @@ static enum dea_status out_of_memory(struct dea_error *error) {
 
 static enum dea_status add_source(struct dea_engine *engine, int instance, int port, enum dea_external which,
                                   double scale, struct dea_error *error) {
-    static const char letters[DEA_EXTERNAL_COUNT] = {'c', 'k', 'r', 's', 'p'};
+    static const char letters[DEA_EXTERNAL_COUNT] = {'c', 'd', 'r', 's', 'p'};
     struct dea_external_source *source = &engine->sources[engine->source_count];
     *source = (struct dea_external_source){.instance = instance, .port = port, .which = which, .scale = scale};
     const char *path = engine->netlist->instances[instance].path;
@@ -33,10 +33,10 @@ static enum dea_status add_sources(struct dea_engine *engine, int instance, stru
     const struct dea_circuit_device *device = &engine->devices[engine->netlist->instances[instance].device];
     for (int i = 0; i < device->port_count; i++) {
         const struct dea_port *port = &device->ports[i];
-        double unit = 1.0 / port->rest_capacitance;
+        double unit = 1.0 / dea_port_charge_unit(port);
         DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_CAPACITANCE, unit, error));
-        if (port->curvature)
-            DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_CURVATURE, 1e6 * unit, error)); /* per kV^2 */
+        if (port->offset)
+            DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_OFFSET, unit, error));
         if (port->resistance > 0.0 && port->resistance_external)
             DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_RESISTANCE, 1.0 / port->resistance, error));
         if (port->conductivity > 0.0)

@@ -97,7 +97,7 @@ static void describe_port(const struct dea_device *device, int k, struct dea_por
     const struct dea_dielectric *dielectric = &device->material.dielectric;
     *port = (struct dea_port){
         .rest_capacitance = zone->rest_capacitance,
-        .curvature = true,
+        .offset = device->effective_mass <= 0.0 || device->slack,
         .resistance = dea_zone_resistance(device, k, device->prestretch[0], NULL),
         .resistance_external = zone->sheet_resistance > 0.0,
         .conductivity = dielectric->conductivity,

@@ -54,7 +54,8 @@ static void tell_all(struct coupled *coupled, double t) {
                rest = coupled->rest_stretch[k];
         lam = fmin(fmax(lam, 0.2 * rest), 5.0 * rest);
         double c = dea_zone_capacitance(coupled->device, k, lam, NULL, NULL);
-        /* C(t, V) = c0 + k V^2 passes through the outlook's own capacitance and voltage */
+        /* the tangent of Q(V) at the outlook's own voltage, where the capacitance grows with V^2 as the film gives way
+         */
         double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v;
         /* inertia keeps the platform from following its own voltage within a step; there the outlook alone is smoother
          */
@@ -62,8 +63,8 @@ static void tell_all(struct coupled *coupled, double t) {
         double soft = follows ? dea_outlook_softness(outlook, k, coupled->horizon) : 0.0;
         if (soft * v2 > MAX_SOFT_PART * c)
             soft = MAX_SOFT_PART * c / v2;
-        coupled->c0[p] = c - soft * v2 + coupled->fading[p] * fade;
-        coupled->k[p] = soft;
+        coupled->c[p] = c + 2.0 * soft * v2 + coupled->fading[p] * fade;
+        coupled->q0[p] = -2.0 * soft * v2 * v;
         coupled->stretch[p] = lam;
         coupled->resistance[p] = dea_zone_resistance(coupled->device, k, lam, NULL);
     }
@@ -74,9 +75,9 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
         tell_all(coupled, t);
     switch (which) {
     case DEA_EXTERNAL_CAPACITANCE:
-        return coupled->c0[port];
-    case DEA_EXTERNAL_CURVATURE:
-        return coupled->k[port];
+        return coupled->c[port];
+    case DEA_EXTERNAL_OFFSET:
+        return coupled->q0[port];
     case DEA_EXTERNAL_RESISTANCE:
         return coupled->resistance[port];
     case DEA_EXTERNAL_STRETCH:
@@ -139,17 +140,13 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
 
 /* ---- circuit points ---- */
 
-/* Film voltage that holds charge q at time t under the capacitance told. */
-static double film_voltage(struct coupled *coupled, int port, double t, double q, double guess) {
+/* Film voltage that holds charge q at time t under what was told; *capacitance (may be NULL) is their quotient. */
+static double film_voltage(struct coupled *coupled, int port, double t, double q, double *capacitance) {
     if (t != coupled->told_at)
         tell_all(coupled, t);
-    double c0 = coupled->c0[port], k = coupled->k[port], v = guess;
-    for (int i = 0; i < 8; i++) {
-        double step = ((c0 + k * v * v) * v - q) / (c0 + 3.0 * k * v * v);
-        v -= step;
-        if (fabs(step) <= 1e-14 * fabs(v))
-            break;
-    }
+    double c = coupled->c[port], q0 = coupled->q0[port], v = (q - q0) / c;
+    if (capacitance != NULL) /* far from where the tangent was taken, near no voltage, the quotient means nothing */
+        *capacitance = q0 == 0.0 ? c : fabs(q0) < 2.0 / 3.0 * c * fabs(v) ? c + q0 / v : c / 3.0;
     return v;
 }
 
@@ -165,8 +162,7 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
             continue;
         struct port_values values;
         values.charge = window_value(a, b, t, &rate);
-        values.voltage = film_voltage(coupled, port, t, values.charge,
-                                      before->film_voltage + part * (after->film_voltage - before->film_voltage));
+        values.voltage = film_voltage(coupled, port, t, values.charge, NULL);
         double drop = (1.0 - part) * (before->port_voltage - before->film_voltage) +
                       part * (after->port_voltage - after->film_voltage);
         values.port_voltage = values.voltage + drop;
@@ -181,11 +177,9 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
 static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b) {
     const struct port_point *before = &coupled->taken[port][0], *after = &coupled->taken[port][1];
     double h = b->t - a->t, middle = 0.5 * (a->t + b->t);
-    double v0 = film_voltage(coupled, port, a->t, a->q, before->film_voltage);
-    double c0 = coupled->c0[port] + coupled->k[port] * v0 * v0;
-    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), 0.5 * (v0 + after->film_voltage));
-    double v1 = film_voltage(coupled, port, b->t, b->q, after->film_voltage);
-    double c1 = coupled->c0[port] + coupled->k[port] * v1 * v1;
+    double c0, c1, v0 = film_voltage(coupled, port, a->t, a->q, &c0);
+    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), NULL);
+    double v1 = film_voltage(coupled, port, b->t, b->q, &c1);
     coupled->film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
     double lost_before = (before->port_voltage - before->film_voltage) * (a->after + before->leak);
     double lost_after = (after->port_voltage - after->film_voltage) * (b->before + after->leak);
@@ -295,8 +289,7 @@ enum dea_status coupled_exchange(struct coupled *coupled, int index, double hori
     tell_all(coupled, end);
     double told_position = coupled->position;
     for (int p = 0; p < coupled->port_count; p++) {
-        double v = coupled->taken[p][1].film_voltage;
-        told[p] = coupled->c0[p] + coupled->k[p] * v * v;
+        film_voltage(coupled, p, end, coupled->windows[p].points[last].q, &told[p]);
         missed[p] = coupled->fading[p] * coupled->fade;
     }
     for (size_t first = coupled->windows[0].first; first < last && exchange->policy != DEA_POLICY_STOP;) {

@@ -27,7 +27,7 @@ struct coupled {
     double drift; /* largest relative error of a told capacitance that charges off the outlook suggest */
     /* what the circuit is told at `told_at`, per port */
     double told_at;                     /* s */
-    double c0[DEA_ZONES], k[DEA_ZONES]; /* F, F/V^2 */
+    double c[DEA_ZONES], q0[DEA_ZONES]; /* Q = c V + q0; F, C */
     double stretch[DEA_ZONES], resistance[DEA_ZONES];
     double position; /* m */
     /* what the last outlook missed, faded out over the horizon: no jump excites the circuit */
