@@ -121,9 +121,15 @@ static double invert_langevin(double y, double *slope) {
     return beta;
 }
 
-/* ln(beta / sinh beta) without overflow. */
+/* ln(beta / sinh beta) without overflow, and for long chains (small beta) without cancellation: the sum is
+ * sinh(beta)/beta - 1. */
 static double log_beta_over_sinh(double beta) {
-    return beta < 1e-8 ? -beta * beta / 6.0 : log(2.0 * beta) - beta - log1p(-exp(-2.0 * beta));
+    if (beta > 1.0)
+        return log(2.0 * beta) - beta - log1p(-exp(-2.0 * beta));
+    double sum = 0.0, b2 = beta * beta;
+    for (int k = 9; k >= 1; k--)
+        sum = (1.0 + sum) * b2 / (2 * k * (2 * k + 1));
+    return -log1p(sum);
 }
 
 static double chain_density(const struct dea_law *law, double invariant) {
