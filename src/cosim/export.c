@@ -313,7 +313,12 @@ static enum dea_status write_deck(const struct dea_scene *scene, const struct de
         DEA_TRY(write_native_drive(file, scene, error));
     for (int d = 0; d < scene->device_count; d++)
         write_device(file, scene->devices[d].name, &scene->devices[d].device, scene->has_load_waveform);
-    fprintf(file, "\n.save all\n.tran %.17g %.17g 0 %.17g%s\n", stop / 1000.0, stop, stop / 1000.0,
+    double step = stop / 1000.0, longest = step;
+    if (netlist != NULL && netlist->tran.step > 0.0)
+        step = netlist->tran.step;
+    if (netlist != NULL && netlist->tran.max_step > 0.0)
+        longest = netlist->tran.max_step;
+    fprintf(file, "\n.save all\n.tran %.17g %.17g 0 %.17g%s\n", step, stop, fmin(longest, stop / 1000.0),
             netlist != NULL && netlist->tran.uic ? " uic" : "");
     /* one column, so that batch mode without a raw file has something to print */
     if (netlist == NULL)

@@ -274,6 +274,7 @@ static enum dea_status step_implicitly(struct dea_plant *plant, double h) {
     double *before = N_VGetArrayPointer(plant->sample_y), *residual = N_VGetArrayPointer(plant->rates);
     double *delta = N_VGetArrayPointer(plant->sample_yp);
     memcpy(before, y, (size_t)n * sizeof *y);
+    double last = INFINITY;
     for (int iteration = 0; iteration < MAX_SETTLE_ITERATIONS; iteration++) {
         for (int i = 0; i < n; i++)
             yp[i] = (y[i] - before[i]) / h;
@@ -291,7 +292,10 @@ static enum dea_status step_implicitly(struct dea_plant *plant, double h) {
             y[i] += delta[i];
             worst = fmax(worst, fabs(delta[i]) / fmax(fabs(y[i]), 1.0));
         }
-        if (worst <= 1e-14 || (iteration > 2 && worst <= 1e-12)) {
+        /* until nothing moves any more, or only rounding does */
+        bool rounding = worst <= 1e-9 && worst >= 0.5 * last;
+        last = worst;
+        if (worst <= 1e-14 || rounding) {
             for (int i = 0; i < n; i++)
                 yp[i] = (y[i] - before[i]) / h;
             plant->t += h;
