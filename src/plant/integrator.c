@@ -11,10 +11,17 @@
 #define NEWTON_PART 0.05
 
 #define MAX_TEST_FAILURES 30 /* of one step: a film short or a corner may need one far shorter than the last */
-#define MAX_STANDSTILL 200   /* steps without progress in time */
-#define RECENT 1e-9          /* part of the time reached for which a refused state still explains a failure */
-#define CRAWL_STEPS 2000     /* so many steps in a row ... */
-#define CRAWL_ADVANCE 1e-11  /* ... that advance by less than this part of the time reached will never end */
+/* At rest for so many steps, each a good part of the natural period (in radians): see note_quiet. The swing left over
+ * is in units of the step's tolerance. */
+#define QUIET_STEPS 40
+#define QUIET_SWING 100.0
+#define SHORT_STEP 0.05
+#define LONG_STEP 5.0
+
+#define MAX_STANDSTILL 200  /* steps without progress in time */
+#define RECENT 1e-9         /* part of the time reached for which a refused state still explains a failure */
+#define CRAWL_STEPS 2000    /* so many steps in a row ... */
+#define CRAWL_ADVANCE 1e-11 /* ... that advance by less than this part of the time reached will never end */
 
 /* ---- set-up ---- */
 
@@ -268,8 +275,43 @@ static enum dea_status choose_first_step(struct dea_plant *plant, double limit, 
     return DEA_OK;
 }
 
+/* Orders 3 to 5 of the BDF are unstable for an undamped oscillation once a step is a good part of its period: after a
+ * ringing has died away they keep it alive at the tolerance, and the step with it, through hours of creep. Order 2 has
+ * no such bound. It is taken while the platform moves far slower than it could swing, until the next corner of the
+ * inputs. */
+static void note_quiet(struct dea_plant *plant) {
+    double h = 0.0;
+    if (plant->v == ABSENT || plant->low_order || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
+        return;
+    const double *y = N_VGetArrayPointer(plant->y);
+    double omega = sqrt(fmax(plant->device->stiffness, 0.0) / plant->device->effective_mass);
+    double swing = fabs(y[plant->v]) * plant->scale[plant->v];
+    double size = omega * plant->largest[plant->x] * plant->scale[plant->x];
+    bool quiet = swing < QUIET_SWING * plant->rtol * size && omega * h > SHORT_STEP && omega * h < LONG_STEP;
+    plant->quiet_steps = quiet ? plant->quiet_steps + 1 : 0;
+}
+
+/* At the start of a step: down to order 2 once quiet for long enough. */
+static enum dea_status lower_order(struct dea_plant *plant, struct dea_error *error) {
+    if (plant->low_order || plant->quiet_steps < QUIET_STEPS)
+        return DEA_OK;
+    plant->low_order = true;
+    if (IDASetMaxOrd(plant->ida, 2) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.9g s: cannot lower the integrator's order", plant->t);
+    return plant_restart_integrator(plant, error);
+}
+
+enum dea_status plant_free_order(struct dea_plant *plant, struct dea_error *error) {
+    plant->quiet_steps = 0;
+    if (plant->low_order && IDASetMaxOrd(plant->ida, 5) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.9g s: cannot raise the integrator's order", plant->t);
+    plant->low_order = false;
+    return DEA_OK;
+}
+
 enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea_step *step, struct dea_error *error) {
     double reached = plant->t, quad_time;
+    DEA_TRY(lower_order(plant, error));
     if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);
     const char *earlier = plant->trouble;
@@ -297,6 +339,7 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no loss integrals", reached);
     note_step(plant);
     note_work(plant);
+    note_quiet(plant);
     if (!plant_judge_energy(plant))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no tolerance for the loss integrals", reached);
     plant->standstill = reached > plant->t_previous ? 0 : plant->standstill + 1;

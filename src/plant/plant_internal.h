@@ -123,6 +123,8 @@ struct dea_plant {
         int order;
     } trail[8]; /* last steps, for diagnosis */
     long trail_length;
+    int quiet_steps;     /* in a row, with an inertia that has come to rest; see note_quiet */
+    bool low_order;      /* the integrator is held to order 2 */
     int standstill;      /* steps in a row without progress in time */
     int crawl_steps;     /* steps since crawl_from */
     double crawl_from;   /* s */

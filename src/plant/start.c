@@ -337,5 +337,6 @@ enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plan
                         plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
     plant->inputs = *inputs;
     plant->stats.restarts++;
+    DEA_TRY(plant_free_order(plant, error));
     return make_consistent(plant, error);
 }
