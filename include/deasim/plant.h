@@ -88,16 +88,15 @@ void dea_plant_short_film(struct dea_plant *plant, int zone, double conductance)
 enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct dea_error *error);
 
 /* How the plant will move on from its present time if each film charge keeps its present rate: what a circuit needs to
- * know of it. position(d) = sum of x[i] d^i, stretch(d) = sum of lam[i] d^i, d in s from the plant's time; both follow
- * a decaying term fast * (1 - exp(-d / settling)) where a massless platform settles faster than the step. */
+ * know of it. position(d) = sum of x[i] d^i, d in s from the plant's time, plus a decaying term fast * (1 - exp(-d /
+ * settling)) where a massless platform settles faster than the step. */
 struct dea_outlook {
-    double start;             /* s, the plant's time */
-    double x[4];              /* m, m/s, ... */
-    double fast, settling;    /* m, s; fast is 0 where there is none */
-    double lam[DEA_ZONES][4]; /* of zones that are slack; taut zones follow x */
-    bool slack[DEA_ZONES];
-    double soft_gain[DEA_ZONES];     /* (1/2)(dC/dx)^2 of a taut zone; d(C)/d(V^2) itself of a slack one */
-    double stiffness, damping, mass; /* of the platform at given voltages: N/m, N s/m, kg */
+    double start;                                     /* s, the plant's time */
+    double x[4];                                      /* m, m/s, ... */
+    double fast, settling;                            /* m, s; fast is 0 where there is none */
+    double soft_gain[DEA_ZONES];                      /* (1/2)(dC/dx)^2 of a taut zone, 0 of a slack one, F^2/m^2 */
+    double stiffness, damping, mass;                  /* of the platform at given voltages: N/m, N s/m, kg */
+    double charge_stiffness;                          /* of the platform at given charges, N/m */
     double charge[DEA_ZONES], charge_rate[DEA_ZONES]; /* C, A, at start */
     double capacitance[DEA_ZONES];                    /* F, at start */
 };
@@ -105,12 +104,33 @@ struct dea_outlook {
 /* Looks ahead over a step of about `horizon` (s). DEA_RECOVERABLE outside the model. */
 enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *outlook);
 
-/* How much a film's capacitance gives way to its own voltage within a time h (s): d(C)/d(V^2), F/V^2. */
+/* How much a taut film's capacitance gives way to its own voltage through the platform within a time h (s):
+ * d(C)/d(V^2), F/V^2. */
 double dea_outlook_softness(const struct dea_outlook *outlook, int zone, double h);
 
-/* Position (m) and stretch of a zone at time t by an outlook. */
+/* Position (m) at time t by an outlook. */
 double dea_outlook_position(const struct dea_outlook *outlook, double t);
-double dea_outlook_stretch(const struct dea_device *device, const struct dea_outlook *outlook, int zone, double t);
+
+/* The same with velocity (m/s) and acceleration (m/s^2). */
+double dea_outlook_motion(const struct dea_outlook *outlook, double t, double *velocity, double *acceleration);
+
+/* One film as the circuit sees it. */
+struct dea_film_outlook {
+    double stretch, capacitance; /* 1, F */
+    bool slack;
+    double softness; /* of a slack film: d(C)/d(V^2) by its natural stretch, F/V^2; 0 when taut */
+};
+
+/* A zone's film `ahead` s after the last look ahead, at a position (m) and a charge (C); branches go on at the rates
+ * they had. DEA_RECOVERABLE outside the model. */
+enum dea_status dea_plant_imagine_film(struct dea_plant *plant, int zone, double ahead, double x, double charge,
+                                       struct dea_film_outlook *film);
+
+/* The force (N) by which an outlook's motion fails the platform's balance at time t when the films hold these charges
+ * (C): it grows where charges leave the foreseen course, films turn slack or taut, or a stop is met. DEA_RECOVERABLE
+ * outside the model. */
+enum dea_status dea_plant_imagine_defect(struct dea_plant *plant, const struct dea_outlook *outlook, double t,
+                                         const double charges[DEA_ZONES], double *defect);
 
 /* What one step met. */
 struct dea_step {

@@ -14,9 +14,11 @@
 /* How the asked accuracy A is shared out. The numbers come from tests/stress/cosim.c, which compares with circuit and
  * device integrated as one system: with them all parts weigh about the same, and the delivered error is a fraction of A
  * at every A from 1e-2 to 1e-6. */
-#define PLANT_SHARE 0.5     /* of A, to the plants */
-#define COUPLING_SHARE 0.01 /* of A, to the mismatch of one exchange */
-#define FIT_SHARE 0.02      /* of A, to the charge fits */
+#define PLANT_SHARE 0.5 /* of A, to the plants */
+/* Of A, to the mismatch of one exchange: with inertia mismatches add up to velocity, without they are forgotten. */
+#define COUPLING_SHARE 0.01
+#define FORGOTTEN_SHARE 0.03
+#define FIT_SHARE 0.02 /* of A, to the charge fits */
 /* ngspice integrates at second order: its steps go as (reltol trtol)^(1/3) and its error as their square, so the
  * product goes as A^1.5. reltol also ends Newton's iterations, trtol only judges truncation. */
 #define NEWTON_SHARE 0.3
@@ -34,6 +36,7 @@ struct cosim {
     const struct dea_scene *scene;
     const struct dea_netlist *netlist;
     const struct dea_run_options *options;
+    const struct cosim_control *control;
     struct dea_channel *channel;
     struct dea_engine *engine;
     struct dea_deck deck;
@@ -51,10 +54,8 @@ struct cosim {
     double rest_change;    /* largest relative change of the last round */
     /* exchange */
     double horizon, exchanged_at, reached, slowest; /* s */
-    double worst_mismatch;
-    long exchanges;
-    enum dea_status status; /* kept from callbacks that cannot fail */
-    struct dea_error *error;
+    enum dea_status status;                         /* of a callback that cannot fail */
+    struct dea_error failure;
 };
 
 /* ---- what the scene asks for ---- */
@@ -197,9 +198,11 @@ void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_net
 
 /* ---- exchange ---- */
 
-static void keep_failure(struct cosim *run, enum dea_status status) {
-    if (run->status == DEA_OK)
-        run->status = status;
+/* For a callback that cannot fail: the next one that can reports it. */
+static enum dea_status report_failure(const struct cosim *run, struct dea_error *error) {
+    if (run->status < 0 && error != NULL)
+        *error = run->failure;
+    return run->status;
 }
 
 static enum dea_status apply_policy(struct cosim *run, const struct exchange *exchange, double t) {
@@ -213,32 +216,40 @@ static enum dea_status apply_policy(struct cosim *run, const struct exchange *ex
     return DEA_OK;
 }
 
+/* Relative mismatch of capacitance that one exchange of a device may find. */
+static double allow_mismatch(const struct cosim *run, int i) {
+    double share = run->devices[i].device->effective_mass > 0.0 ? COUPLING_SHARE : FORGOTTEN_SHARE;
+    return share * run->scene->accuracy;
+}
+
 /* All plants catch up with the circuit; the mismatch sets how far the new outlooks reach. */
-static enum dea_status exchange_all(struct cosim *run) {
-    double tolerance = COUPLING_SHARE * run->scene->accuracy, mismatch = 0.0;
+static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) {
+    double mismatch = 0.0; /* over what it may be */
     enum dea_status status = DEA_OK;
     for (int i = 0; i < run->count; i++) {
         struct exchange exchange;
         const struct coupled *device = &run->devices[i];
         double fit = FIT_SHARE * run->scene->accuracy * natural_time(device->device);
-        DEA_TRY(coupled_exchange(&run->devices[i], i, run->horizon, fit, run->observer, &exchange, run->error));
-        mismatch = fmax(mismatch, exchange.mismatch);
+        DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
+        mismatch = fmax(mismatch, exchange.mismatch / allow_mismatch(run, i));
         enum dea_status wish = apply_policy(run, &exchange, dea_plant_time(device->plant));
         if (wish != DEA_OK)
             status = wish;
     }
-    run->exchanges++;
-    run->worst_mismatch = fmax(run->worst_mismatch, mismatch);
-    double ratio = mismatch / tolerance, grow = ratio > 0.0 ? 0.9 * pow(ratio, -1.0 / 3.0) : 3.0;
+    double grow = mismatch > 0.0 ? 0.9 * pow(mismatch, -1.0 / 3.0) : 3.0;
     run->horizon = fmin((run->reached - run->exchanged_at) * fmin(fmax(grow, 0.25), 3.0), run->stop / 20.0);
     run->exchanged_at = run->reached;
+    if (run->control->horizon > 0.0)
+        run->horizon = run->control->horizon;
     if (run->horizon < MIN_HORIZON_RATIO * run->stop)
-        return dea_fail(
-            run->error, DEA_ERR_SOLVER,
-            "t = %.9g s: the coupling collapsed: exchanges %.3g s apart still differ by %.3g in capacitance",
-            run->reached, run->horizon, mismatch);
+        return dea_fail(error, DEA_ERR_SOLVER,
+                        "t = %.9g s: the coupling collapsed: exchanges %.3g s apart still differ %.3g times as much in "
+                        "capacitance as they may",
+                        run->reached, run->horizon, mismatch);
+    for (int i = 0; i < run->count; i++)
+        DEA_TRY(coupled_renew(&run->devices[i], run->horizon, error));
     DEA_TRY(status);
-    return observer_write(run->observer, run->reached, run->error);
+    return observer_write(run->observer, run->reached, error);
 }
 
 /* ---- callbacks of the engine ---- */
@@ -254,7 +265,7 @@ static void limit_step(void *context, double t, double *delta) {
     if (run->resting || run->status != DEA_OK)
         return;
     if (t + *delta > run->exchanged_at + run->horizon && t > run->exchanged_at && t <= run->reached)
-        keep_failure(run, exchange_all(run));
+        run->status = exchange_all(run, &run->failure);
     *delta = fmin(*delta, fmax(run->exchanged_at + run->horizon - t, 0.1 * run->horizon));
     for (int i = 0; i < run->count; i++) { /* land on the load's corners */
         double corner = coupled_next_corner(&run->devices[i]);
@@ -289,15 +300,14 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
         if (point->time <= 0.0)
             return DEA_OK;
     }
-    DEA_TRY(run->status);
+    DEA_TRY(report_failure(run, error));
     for (int i = 0; i < run->count; i++)
         DEA_TRY(coupled_take(&run->devices[i], i, run->reached, point->time, &point->ports[i * DEA_ZONES],
                              run->observer, error));
     run->reached = point->time;
-    for (int i = 0; i < run->count; i++) {
-        if (run->devices[i].drift >
-            COUPLING_SHARE * run->scene->accuracy) { /* the circuit went another way than foreseen */
-            DEA_TRY(exchange_all(run));
+    for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++) {
+        if (run->devices[i].drift > allow_mismatch(run, i)) { /* not the way that was foreseen */
+            DEA_TRY(exchange_all(run, error));
             break;
         }
     }
@@ -341,13 +351,15 @@ static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
         run->resting = true;
         run->reached = run->exchanged_at = 0.0;
         run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
+        if (run->control->horizon > 0.0)
+            run->horizon = run->control->horizon;
         DEA_TRY(dea_engine_load(run->engine, run->netlist, &run->deck, run->circuit_devices, &run->deck_options,
                                 &callbacks, error));
         enum dea_status status = dea_engine_run(run->engine, error);
         if (run->resting && status == DEA_STOPPED)
             continue;
         if (status == DEA_OK && run->status != DEA_OK)
-            return run->status;
+            return report_failure(run, error);
         run->result->circuit_gave_up = status == DEA_ERR_SOLVER && run->status == DEA_OK && run->reached > 0.0;
         return status;
     }
@@ -417,17 +429,22 @@ static void clear_run(struct cosim *run) {
 }
 
 enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
-                          const struct dea_run_options *options, int relaxed, const struct row_sink *sink,
-                          struct dea_channel *channel, struct dea_result *result, struct dea_error *error) {
-    struct cosim run = {
-        .scene = scene, .netlist = netlist, .options = options, .channel = channel, .result = result, .error = error};
+                          const struct dea_run_options *options, const struct cosim_control *control,
+                          const struct row_sink *sink, struct dea_channel *channel, struct dea_result *result,
+                          struct dea_error *error) {
+    struct cosim run = {.scene = scene,
+                        .netlist = netlist,
+                        .options = options,
+                        .control = control,
+                        .channel = channel,
+                        .result = result};
     snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "cosim");
-    result->relaxed = relaxed;
+    result->relaxed = control->relaxed;
     enum dea_status status = cosim_choose_stop(scene, netlist, &run.stop, error);
     if (status == DEA_OK)
         status = create_devices(&run, error);
     if (status == DEA_OK) {
-        cosim_choose_tolerances(scene, netlist, run.stop, relaxed, &run.deck_options);
+        cosim_choose_tolerances(scene, netlist, run.stop, control->relaxed, &run.deck_options);
         status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
     }
     if (status == DEA_OK)
@@ -441,7 +458,7 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         status = run_rounds(&run, error);
         if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED || status == DEA_STOPPED) &&
             run.reached > run.exchanged_at) {
-            enum dea_status last = exchange_all(&run);
+            enum dea_status last = exchange_all(&run, status >= 0 ? error : NULL);
             if (status == DEA_OK)
                 status = last;
         }

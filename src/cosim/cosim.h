@@ -28,10 +28,17 @@ enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct de
 void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop, int relaxed,
                              struct dea_deck_options *options);
 
-/* Runs the coupled scene in this process, the circuit's tolerances loosened `relaxed` times. `channel` (may be NULL) is
- * told of progress and asked whether to stop. */
+/* How the coupling is steered beyond what the scene says. */
+struct cosim_control {
+    int relaxed;    /* how often the circuit's tolerances are loosened */
+    double horizon; /* s: exchange at this interval whatever the mismatch, to measure the order; 0: as the mismatch
+                       allows */
+};
+
+/* Runs the coupled scene in this process. `channel` (may be NULL) is told of progress and asked whether to stop. */
 enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlist *netlist,
-                          const struct dea_run_options *options, int relaxed, const struct row_sink *sink,
-                          struct dea_channel *channel, struct dea_result *result, struct dea_error *error);
+                          const struct dea_run_options *options, const struct cosim_control *control,
+                          const struct row_sink *sink, struct dea_channel *channel, struct dea_result *result,
+                          struct dea_error *error);
 
 #endif

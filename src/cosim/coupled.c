@@ -40,34 +40,66 @@ void coupled_clear(struct coupled *coupled) {
 
 /* ---- what the circuit is told ---- */
 
+/* Charge of a film a circuit step after its last point. */
+static double foresee_charge(const struct coupled *coupled, int port, double t) {
+    const struct window *window = &coupled->windows[port];
+    const struct window_point *last = &window->points[window->count - 1];
+    double rate = coupled->outlook.charge_rate[coupled->zones[port]];
+    if (window->count > 1)
+        rate = (last->q - last[-1].q) / (last->t - last[-1].t);
+    return last->q + rate * (t - last->t);
+}
+
+/* How far the correction of the last outlook has faded, 1 to 0. */
+static double fade(const struct coupled *coupled, double ahead) {
+    double part = coupled->horizon > 0.0 ? fmin(ahead / coupled->horizon, 1.0) : 1.0;
+    return (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part);
+}
+
+/* The tangent of Q(V) of one film at time t, about a charge. */
+static struct told_film tell_film(const struct coupled *coupled, int port, double t, double charge) {
+    const struct dea_outlook *outlook = &coupled->outlook;
+    const struct dea_device *device = coupled->device;
+    int k = coupled->zones[port];
+    double ahead = fmax(t - outlook->start, 0.0), x = dea_outlook_position(outlook, outlook->start + ahead);
+    /* a wild outlook must not lead out of the model */
+    double lam = fmin(fmax(dea_zone_stretch(device, k, x), 0.2 * device->prestretch[0]), 5.0 * device->prestretch[0]);
+    double c = dea_zone_capacitance(device, k, lam, NULL, NULL), v, soft = 0.0;
+    struct dea_film_outlook film = {.slack = false};
+    if (device->slack && dea_plant_imagine_film(coupled->plant, k, ahead, x, charge, &film) == DEA_OK &&
+        film.slack) { /* its own charge stretches it, at once */
+        lam = film.stretch;
+        c = film.capacitance;
+        soft = film.softness;
+        v = charge / c;
+    } else {
+        v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c;
+        /* Inertia keeps the platform from following its own voltage within a step, the outlook alone is smoother;
+         * damping lets it follow what the voltage does beyond the outlook since the last point. */
+        if (outlook->mass <= 0.0 && outlook->damping <= 0.0) {
+            soft = dea_outlook_softness(outlook, k, ahead);
+        } else if (outlook->mass <= 0.0) {
+            const struct window_point *last = &coupled->windows[port].points[coupled->windows[port].count - 1];
+            double foreseen = (outlook->charge[k] + outlook->charge_rate[k] * (last->t - outlook->start)) / c;
+            soft = dea_outlook_softness(outlook, k, t - last->t);
+            v = copysign(sqrt(fmax(v * v - foreseen * foreseen + last->q / c * last->q / c, 0.0)), last->q);
+        }
+    }
+    if (soft * v * v > MAX_SOFT_PART * c)
+        soft = MAX_SOFT_PART * c / (v * v);
+    /* at the outlook's own voltage, where the capacitance grows with V^2 as the film gives way */
+    double slope = c + 2.0 * soft * v * v + coupled->fading[port] * fade(coupled, ahead);
+    return (struct told_film){slope, -2.0 * soft * v * v * v, lam, dea_zone_resistance(device, k, lam, NULL)};
+}
+
 /* All numbers of one time at once; a circuit asks for each of them in each Newton iteration. */
 static void tell_all(struct coupled *coupled, double t) {
-    const struct dea_outlook *outlook = &coupled->outlook;
-    double ahead = fmax(t - outlook->start, 0.0);
-    double part = coupled->horizon > 0.0 ? fmin(ahead / coupled->horizon, 1.0) : 1.0;
-    double fade = coupled->fade = (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part);
+    double ahead = fmax(t - coupled->outlook.start, 0.0);
     coupled->told_at = t;
-    coupled->position = dea_outlook_position(outlook, outlook->start + ahead) + coupled->fading_position * fade;
-    for (int p = 0; p < coupled->port_count; p++) {
-        int k = coupled->zones[p];
-        double lam = dea_outlook_stretch(coupled->device, outlook, k, outlook->start + ahead),
-               rest = coupled->rest_stretch[k];
-        lam = fmin(fmax(lam, 0.2 * rest), 5.0 * rest);
-        double c = dea_zone_capacitance(coupled->device, k, lam, NULL, NULL);
-        /* the tangent of Q(V) at the outlook's own voltage, where the capacitance grows with V^2 as the film gives way
-         */
-        double v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c, v2 = v * v;
-        /* inertia keeps the platform from following its own voltage within a step; there the outlook alone is smoother
-         */
-        bool follows = outlook->mass <= 0.0 || outlook->slack[k];
-        double soft = follows ? dea_outlook_softness(outlook, k, coupled->horizon) : 0.0;
-        if (soft * v2 > MAX_SOFT_PART * c)
-            soft = MAX_SOFT_PART * c / v2;
-        coupled->c[p] = c + 2.0 * soft * v2 + coupled->fading[p] * fade;
-        coupled->q0[p] = -2.0 * soft * v2 * v;
-        coupled->stretch[p] = lam;
-        coupled->resistance[p] = dea_zone_resistance(coupled->device, k, lam, NULL);
-    }
+    coupled->position = dea_outlook_position(&coupled->outlook, coupled->outlook.start + ahead) +
+                        coupled->fading_position * fade(coupled, ahead);
+    for (int p = 0; p < coupled->port_count; p++)
+        coupled->told[p] = tell_film(coupled, p, t, foresee_charge(coupled, p, t));
 }
 
 double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t) {
@@ -75,13 +107,13 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
         tell_all(coupled, t);
     switch (which) {
     case DEA_EXTERNAL_CAPACITANCE:
-        return coupled->c[port];
+        return coupled->told[port].c;
     case DEA_EXTERNAL_OFFSET:
-        return coupled->q0[port];
+        return coupled->told[port].q0;
     case DEA_EXTERNAL_RESISTANCE:
-        return coupled->resistance[port];
+        return coupled->told[port].resistance;
     case DEA_EXTERNAL_STRETCH:
-        return coupled->stretch[port];
+        return coupled->told[port].stretch;
     default:
         return coupled->position;
     }
@@ -92,7 +124,7 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
 static enum dea_status look_ahead(struct coupled *coupled, double horizon, struct dea_error *error) {
     coupled->told_at = NAN;
     coupled->horizon = horizon;
-    coupled->drift = 0.0;
+    coupled->drift = coupled->defect = coupled->strayed = coupled->straying = 0.0;
     if (dea_plant_look_ahead(coupled->plant, horizon, &coupled->outlook) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the device left the model", dea_plant_time(coupled->plant));
     return DEA_OK;
@@ -122,8 +154,6 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     if (coupled->load != NULL)
         DEA_TRY(turn_load(coupled, 0.0, error));
     DEA_TRY(look_ahead(coupled, 1e-6, error));
-    for (int k = 0; k < DEA_ZONES; k++)
-        coupled->rest_stretch[k] = dea_outlook_stretch(coupled->device, &coupled->outlook, k, 0.0);
     coupled->film_work = coupled->resistive = coupled->leakage = 0.0;
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
@@ -140,13 +170,19 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
 
 /* ---- circuit points ---- */
 
+/* What a charge over its voltage makes a tangent: far from where it was taken, near no voltage, that means nothing. */
+static double quotient(const struct told_film *film, double v) {
+    if (film->q0 == 0.0)
+        return film->c;
+    return fabs(film->q0) < 2.0 / 3.0 * film->c * fabs(v) ? film->c + film->q0 / v : film->c / 3.0;
+}
+
 /* Film voltage that holds charge q at time t under what was told; *capacitance (may be NULL) is their quotient. */
-static double film_voltage(struct coupled *coupled, int port, double t, double q, double *capacitance) {
-    if (t != coupled->told_at)
-        tell_all(coupled, t);
-    double c = coupled->c[port], q0 = coupled->q0[port], v = (q - q0) / c;
-    if (capacitance != NULL) /* far from where the tangent was taken, near no voltage, the quotient means nothing */
-        *capacitance = q0 == 0.0 ? c : fabs(q0) < 2.0 / 3.0 * c * fabs(v) ? c + q0 / v : c / 3.0;
+static double film_voltage(const struct coupled *coupled, int port, double t, double q, double *capacitance) {
+    struct told_film film = tell_film(coupled, port, t, q);
+    double v = (q - film.q0) / film.c;
+    if (capacitance != NULL)
+        *capacitance = quotient(&film, v);
     return v;
 }
 
@@ -198,20 +234,32 @@ static enum dea_status settle_interval(struct coupled *coupled, int index, size_
         book_work(coupled, p, a, b);
         DEA_TRY(sample_port(coupled, index, p, a, b, observer, error));
         struct port_values values = {after->film_voltage, after->port_voltage, b->q, b->before + after->leak};
-        observer_note_port(observer, index, coupled->zones[p], b->t, coupled->stretch[p], &values);
+        observer_note_port(observer, index, coupled->zones[p], b->t, coupled->told[p].stretch, &values);
     }
     return DEA_OK;
 }
 
-/* The outlook took the charge to go on at its rate. Where it does not, the platform will be elsewhere: by how much, in
- * capacitance. */
-static void note_drift(struct coupled *coupled, int port, double t, double charge, double voltage) {
+/* Where the platform's balance fails on the foreseen course, the platform goes another way: how far, in capacitance. */
+static void note_drift(struct coupled *coupled, double from, double to) {
     const struct dea_outlook *outlook = &coupled->outlook;
-    int k = coupled->zones[port];
-    double ahead = t - outlook->start, c = charge != 0.0 ? charge / voltage : outlook->capacitance[k];
-    double expected = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c;
-    double change = dea_outlook_softness(outlook, k, ahead) * fabs(voltage * voltage - expected * expected);
-    coupled->drift = fmax(coupled->drift, change / outlook->capacitance[k]);
+    double charges[DEA_ZONES] = {0.0, 0.0}, h = to - from, before = coupled->defect;
+    for (int p = 0; p < coupled->port_count; p++)
+        charges[coupled->zones[p]] = coupled->windows[p].points[coupled->windows[p].count - 1].q;
+    if (dea_plant_imagine_defect(coupled->plant, outlook, to, charges, &coupled->defect) != DEA_OK) {
+        coupled->drift = INFINITY;
+        return;
+    }
+    if (outlook->mass > 0.0) {
+        double push = 0.5 * (before + coupled->defect) / outlook->mass;
+        coupled->strayed += h * (coupled->straying + 0.5 * h * push);
+        coupled->straying += h * push;
+    } else { /* without damping: at once */
+        double c = outlook->damping, stiffness = fmax(outlook->charge_stiffness, outlook->stiffness);
+        coupled->strayed = (c * coupled->strayed + h * coupled->defect) / (c + h * stiffness);
+    }
+    for (int p = 0; p < coupled->port_count; p++) /* C goes as the square of the length */
+        coupled->drift =
+            fmax(coupled->drift, 2.0 * fabs(coupled->strayed) / coupled->device->zones[coupled->zones[p]].length);
 }
 
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
@@ -228,15 +276,25 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
         coupled->taken[p][0] = coupled->taken[p][1];
         coupled->taken[p][1] = (struct port_point){
             v, ports[p].port_voltage,
-            dea_zone_leakage(coupled->device, coupled->zones[p], coupled->stretch[p], v, NULL, NULL)};
+            dea_zone_leakage(coupled->device, coupled->zones[p], coupled->told[p].stretch, v, NULL, NULL)};
         coupled->largest_charge[p] = fmax(coupled->largest_charge[p], fabs(ports[p].charge));
-        note_drift(coupled, p, to, ports[p].charge, v);
     }
+    if (to > from)
+        note_drift(coupled, from, to);
     coupled->pending = to > from;
     return DEA_OK;
 }
 
 /* ---- exchange ---- */
+
+/* What the circuit takes a capacitance to be at the last point. */
+static double told_capacitance(struct coupled *coupled, int port) {
+    const struct window *window = &coupled->windows[port];
+    const struct window_point *point = &window->points[window->count - 1];
+    double capacitance;
+    film_voltage(coupled, port, point->t, point->q, &capacitance);
+    return capacitance;
+}
 
 /* Charge pieces of all ports over a common stretch of points, as long as every port allows. */
 static size_t fit_pieces(const struct coupled *coupled, size_t first, double fit_tolerance,
@@ -279,19 +337,19 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
     return DEA_OK;
 }
 
-enum dea_status coupled_exchange(struct coupled *coupled, int index, double horizon, double fit_tolerance,
-                                 struct observer *observer, struct exchange *exchange, struct dea_error *error) {
+enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_tolerance, struct observer *observer,
+                                struct exchange *exchange, struct dea_error *error) {
     *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE, .zone = -1};
     size_t last = coupled->windows[0].count - 1;
-    double end = coupled->windows[0].points[last].t, told[DEA_ZONES], missed[DEA_ZONES];
+    double end = coupled->windows[0].points[last].t, foreseen[DEA_ZONES];
     if (coupled->pending)
         DEA_TRY(settle_interval(coupled, index, last, observer, error));
     tell_all(coupled, end);
-    double told_position = coupled->position;
-    for (int p = 0; p < coupled->port_count; p++) {
-        film_voltage(coupled, p, end, coupled->windows[p].points[last].q, &told[p]);
-        missed[p] = coupled->fading[p] * coupled->fade;
-    }
+    for (int p = 0; p < coupled->port_count; p++)
+        coupled->last_told[p] = told_capacitance(coupled, p);
+    memset(coupled->fading, 0, sizeof coupled->fading);
+    for (int p = 0; p < coupled->port_count; p++)
+        foreseen[p] = told_capacitance(coupled, p);
     for (size_t first = coupled->windows[0].first; first < last && exchange->policy != DEA_POLICY_STOP;) {
         struct dea_charge_piece pieces[DEA_ZONES];
         size_t next = fit_pieces(coupled, first, fit_tolerance, pieces);
@@ -302,15 +360,28 @@ enum dea_status coupled_exchange(struct coupled *coupled, int index, double hori
         DEA_TRY(follow_piece(coupled, index, coupled->windows[0].points[next].t, observer, exchange, error));
         first = next;
     }
+    DEA_TRY(look_ahead(coupled, coupled->horizon, error));
+    for (int p = 0; p < coupled->port_count; p++) {
+        double actual = coupled->outlook.capacitance[coupled->zones[p]];
+        exchange->mismatch = fmax(exchange->mismatch, fabs(foreseen[p] - actual) / actual);
+    }
+    return DEA_OK;
+}
+
+enum dea_status coupled_renew(struct coupled *coupled, double horizon, struct dea_error *error) {
     DEA_TRY(look_ahead(coupled, horizon, error));
     for (int p = 0; p < coupled->port_count; p++) {
-        int k = coupled->zones[p];
-        double actual = coupled->outlook.capacitance[k];
-        exchange->mismatch = fmax(exchange->mismatch, fabs(told[p] - missed[p] - actual) / actual);
-        coupled->fading[p] = told[p] - actual;
-        coupled->outlook.charge[k] = coupled->windows[p].points[last].q;
-        window_restart(&coupled->windows[p]);
+        struct window *window = &coupled->windows[p];
+        coupled->outlook.charge[coupled->zones[p]] = window->points[window->count - 1].q;
+        window_restart(window);
+    }
+    double told_position = coupled->position;
+    for (int p = 0; p < coupled->port_count; p++) { /* the circuit's voltages stay what they are */
+        double q = coupled->outlook.charge[coupled->zones[p]], v = q / coupled->last_told[p];
+        struct told_film film = tell_film(coupled, p, coupled->outlook.start, q);
+        coupled->fading[p] = coupled->last_told[p] - quotient(&film, v);
     }
     coupled->fading_position = told_position - coupled->outlook.x[0];
+    coupled->told_at = NAN;
     return DEA_OK;
 }

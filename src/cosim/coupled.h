@@ -13,6 +13,12 @@ struct port_point {
     double leak;                       /* A */
 };
 
+/* What the circuit is told of a film: Q = c V + q0 and what goes with it. */
+struct told_film {
+    double c, q0;               /* F, C */
+    double stretch, resistance; /* 1, Ohm */
+};
+
 struct coupled {
     const struct dea_device *device;
     struct dea_plant *plant;
@@ -22,17 +28,16 @@ struct coupled {
     int zones[DEA_ZONES];             /* zone of each port */
     struct window windows[DEA_ZONES]; /* per port */
     struct dea_outlook outlook;       /* since the last exchange */
-    double rest_stretch[DEA_ZONES];   /* bounds what a wild outlook may say */
     double horizon;                   /* how long the outlook is meant to hold, s */
-    double drift; /* largest relative error of a told capacitance that charges off the outlook suggest */
-    /* what the circuit is told at `told_at`, per port */
-    double told_at;                     /* s */
-    double c[DEA_ZONES], q0[DEA_ZONES]; /* Q = c V + q0; F, C */
-    double stretch[DEA_ZONES], resistance[DEA_ZONES];
+    double drift; /* largest relative error of a told capacitance, from how the outlook fails the platform's balance */
+    double defect, strayed, straying; /* N, m, m/s: that failure at the last point, and where it has led to */
+    /* what the circuit is told at `told_at` */
+    double told_at; /* s */
+    struct told_film told[DEA_ZONES];
     double position; /* m */
     /* what the last outlook missed, faded out over the horizon: no jump excites the circuit */
     double fading[DEA_ZONES], fading_position; /* F, m, at the start of the outlook */
-    double fade;                               /* the part of it told at `told_at` */
+    double last_told[DEA_ZONES];               /* F, at the end of the last outlook */
     /* the circuit's side of the energy balance, J */
     double film_work, resistive, leakage;
     struct port_point taken[DEA_ZONES][2]; /* at the last two circuit points */
@@ -71,14 +76,17 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error);
 
-/* Moves the plant to the last taken point. *mismatch receives the largest relative difference between the capacitance
- * the circuit reckoned with and the one the plant has. `policy` the strongest wish of events met. */
+/* Moves the plant to the last taken point. `mismatch` is the largest relative difference between the capacitance
+ * foreseen and the one the plant has, `policy` the strongest wish of events met. */
 struct exchange {
     double mismatch;
     enum dea_policy policy;
     int zone;
 };
-enum dea_status coupled_exchange(struct coupled *coupled, int index, double horizon, double fit_tolerance,
-                                 struct observer *observer, struct exchange *exchange, struct dea_error *error);
+enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_tolerance, struct observer *observer,
+                                struct exchange *exchange, struct dea_error *error);
+
+/* Then a new outlook over `horizon` (s). */
+enum dea_status coupled_renew(struct coupled *coupled, double horizon, struct dea_error *error);
 
 #endif

@@ -21,7 +21,7 @@ struct child {
     const struct dea_scene *scene;
     const struct dea_netlist *netlist;
     const struct dea_run_options *options;
-    int relaxed;
+    struct cosim_control control;
     FILE *terminal; /* the user's, while stderr goes to the log */
     struct dea_channel *channel;
     struct dea_result result;
@@ -89,12 +89,12 @@ static enum dea_status run_child(struct dea_channel *channel, void *context, str
     child->options->report->terminal = child->terminal;
     struct row_sink sink = {.context = child, .open = send_open, .row = send_row};
     bool done = false;
-    enum dea_status status = child->relaxed == 0 ? run_linear(child->scene, child->netlist, child->options, &sink,
-                                                              &child->result, &done, error)
-                                                 : DEA_OK;
+    enum dea_status status = child->control.relaxed == 0 ? run_linear(child->scene, child->netlist, child->options,
+                                                                      &sink, &child->result, &done, error)
+                                                         : DEA_OK;
     if (status == DEA_OK && !done)
-        status = cosim_run(child->scene, child->netlist, child->options, child->relaxed, &sink, channel, &child->result,
-                           error);
+        status = cosim_run(child->scene, child->netlist, child->options, &child->control, &sink, channel,
+                           &child->result, error);
     if (child->result.signal_count > 0 && send_result(child) != DEA_OK && status >= 0)
         status = dea_fail(error, DEA_ERR_OUTPUT, "nobody receives the results");
     dea_result_clear(&child->result);
@@ -181,20 +181,20 @@ enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_r
                                             .silence_s = SILENCE_LIMIT,
                                             .log_path = log[0] != '\0' ? log : NULL,
                                             .stop = options->interrupt};
-        for (;; child.relaxed++) {
+        for (;; child.control.relaxed++) {
             fflush(NULL); /* the child must not write buffers twice */
             status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
-            if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.relaxed == MAX_RELAXED)
+            if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.control.relaxed == MAX_RELAXED)
                 break;
             dea_report_warn(options->report, "%s\nrepeating the run with looser tolerances in the circuit",
                             error->text);
             dea_result_clear(result);
         }
-        if (child.relaxed > 0 && status >= 0)
+        if (child.control.relaxed > 0 && status >= 0)
             dea_report_warn(options->report,
                             "the circuit's tolerances were loosened %d times to get through: the result may miss the "
                             "accuracy asked for; compare with a run at another --accuracy",
-                            child.relaxed);
+                            child.control.relaxed);
         if (child.terminal != NULL)
             fclose(child.terminal);
     }

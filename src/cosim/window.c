@@ -48,11 +48,14 @@ void window_find_rates(struct window *window, size_t n) {
         bend_b = (slope_between(b, &points[n + 2]) - slope) / (points[n + 2].t - a->t);
     if (later && !earlier)
         bend_a = bend_b;
+    bool corner = true;
     if (fabs(bend_a) > CORNER_RATIO * fabs(bend_b))
         bend_a = bend_b;
     else if (fabs(bend_b) > CORNER_RATIO * fabs(bend_a))
         bend_b = bend_a;
-    a->after = slope - bend_a * h;
+    else
+        corner = false;
+    a->after = n > 0 && n == window->first && !corner ? a->before : slope - bend_a * h;
     b->before = slope + bend_b * h;
 }
 
@@ -126,6 +129,9 @@ static double worst_impulse(const struct window *window, size_t first, size_t la
 size_t window_fit(const struct window *window, size_t first, size_t last, double tolerance,
                   struct dea_charge_piece *piece) {
     while (last > first + 1) {
+        window_hermite(&window->points[first], &window->points[last], piece); /* smooth at its ends */
+        if (worst_impulse(window, first, last, piece) <= tolerance)
+            return last;
         double m0 = 0.0, m1 = 0.0, step0, step1;
         for (size_t n = first; n < last; n++) {
             step_moments(&window->points[n], &window->points[n + 1], window->points[first].t, &step0, &step1);

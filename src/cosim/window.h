@@ -36,9 +36,9 @@ void window_hermite(const struct window_point *a, const struct window_point *b, 
 double window_value(const struct window_point *a, const struct window_point *b, double t, double *rate);
 
 /* The longest piece that starts at points[first] and stands for all points up to the returned index, at most `last`:
- * one cubic with the window's end charges and the exact integrals of Q and t Q, accepted while the integral of its
- * error in Q^2 stays below `tolerance` (C^2 s): that is what moves a platform with inertia. Two neighbouring points are
- * met exactly. */
+ * the cubic with the end charges and rates, or the one with the end charges and the exact integrals of Q and t Q, if
+ * the integral of its error in Q^2 stays below `tolerance` (C^2 s): that is what moves a platform with inertia. Two
+ * neighbouring points are met exactly. */
 size_t window_fit(const struct window *window, size_t first, size_t last, double tolerance,
                   struct dea_charge_piece *piece);
 

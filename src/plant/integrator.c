@@ -122,6 +122,8 @@ void dea_plant_destroy(struct dea_plant *plant) {
         free(plant->points[k].branches);
         free(plant->points[k].states);
     }
+    free(plant->imagined_states);
+    free(plant->imagined_branches);
     free(plant->scale);
     free(plant->largest);
     free(plant->follows);

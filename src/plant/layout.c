@@ -119,6 +119,11 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
         if (plant->points[k].branches == NULL || plant->points[k].states == NULL)
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d branches", branches);
     }
+    size_t branches = (size_t)device->material.branch_count + 1;
+    plant->imagined_states = calloc(2 * branches, sizeof *plant->imagined_states);
+    plant->imagined_branches = calloc(branches, sizeof *plant->imagined_branches);
+    if (plant->imagined_states == NULL || plant->imagined_branches == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu branches", branches);
     set_scales(plant);
     plant_network_scale(plant);
     return DEA_OK;

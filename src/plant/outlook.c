@@ -32,6 +32,7 @@ static void look_at_platform(const struct dea_plant *plant, double horizon, stru
     const struct dea_device *device = plant->device;
     const double *y = N_VGetArrayPointer(plant->y);
     double stiffness, drift = drift_force(plant, &stiffness), c = device->damping;
+    out->charge_stiffness = stiffness;
     out->x[0] = y[plant->x] * plant->scale[plant->x];
     out->x[1] = out->x[2] = out->x[3] = out->fast = 0.0;
     out->settling = 1.0;
@@ -55,18 +56,22 @@ static void look_at_platform(const struct dea_plant *plant, double horizon, stru
     }
 }
 
-/* What a film's capacitance makes of its own voltage: (1/2) (dC/dx)^2 over the platform's resistance to motion when
- * taut; when slack, d(C)/d(V^2) by its own natural stretch, from dlam/dQ at fixed branches and Q = C V. */
+/* What a taut film's capacitance makes of its own voltage: (1/2) (dC/dx)^2 over the platform's resistance to motion. */
 static double find_gain(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
     const struct dea_film *film = &plant->points[k].film;
+    if (film->slack || plant->zones[k].kind == DEA_PORT_PASSIVE)
+        return 0.0;
     double slope;
     dea_zone_capacitance(device, k, film->lam, &slope, NULL);
-    if (!film->slack) {
-        double per_x = slope * device->prestretch[0] / device->zones[k].length;
-        return 0.5 * per_x * per_x;
-    }
-    double c = film->capacitance, q = film->charge;
+    double per_x = slope * device->prestretch[0] / device->zones[k].length;
+    return 0.5 * per_x * per_x;
+}
+
+/* Of a slack film: d(C)/d(V^2), from dlam/dQ at fixed branches and Q = C V. */
+static double find_own_softness(const struct dea_device *device, int k, const struct dea_film *film) {
+    double slope, c = film->capacitance, q = film->charge;
+    dea_zone_capacitance(device, k, film->lam, &slope, NULL);
     double charge_per_v2 = 0.5 * c * c / fmax(fabs(q), 1e-30) / fmax(1.0 - q / c * slope * film->dlam_de, SOFTEST);
     return slope * fabs(film->dlam_de) * charge_per_v2;
 }
@@ -80,8 +85,6 @@ static double stiffness_at_voltage(const struct dea_plant *plant) {
 }
 
 double dea_outlook_softness(const struct dea_outlook *outlook, int zone, double h) {
-    if (outlook->slack[zone])
-        return outlook->soft_gain[zone];
     if (h <= 0.0)
         return outlook->damping > 0.0 || outlook->mass > 0.0 ? 0.0 : outlook->soft_gain[zone] / outlook->stiffness;
     return outlook->soft_gain[zone] / (outlook->stiffness + outlook->damping / h + 2.0 * outlook->mass / (h * h));
@@ -96,17 +99,10 @@ enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, st
         const struct zone_point *point = &plant->points[k];
         if (!plant->zones[k].present)
             continue;
-        out->slack[k] = point->film.slack;
-        out->lam[k][0] = point->film.lam;
-        out->lam[k][1] = point->film.dlam_de * point->e_rate;
-        for (int b = 0; b < plant->device->material.branch_count; b++)
-            for (int i = 0; i < 2; i++)
-                out->lam[k][1] += point->film.dlam_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
-        out->lam[k][2] = out->lam[k][3] = 0.0;
         out->charge[k] = point->film.charge;
         out->charge_rate[k] = point->e_rate;
         out->capacitance[k] = point->film.capacitance;
-        out->soft_gain[k] = plant->zones[k].kind == DEA_PORT_PASSIVE ? 0.0 : find_gain(plant, k);
+        out->soft_gain[k] = find_gain(plant, k);
     }
     out->stiffness = stiffness_at_voltage(plant);
     out->damping = plant->device->damping;
@@ -115,16 +111,59 @@ enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, st
 }
 
 double dea_outlook_position(const struct dea_outlook *outlook, double t) {
+    double velocity, acceleration;
+    return dea_outlook_motion(outlook, t, &velocity, &acceleration);
+}
+
+double dea_outlook_motion(const struct dea_outlook *outlook, double t, double *velocity, double *acceleration) {
     double d = t - outlook->start;
     const double *x = outlook->x;
     double position = x[0] + d * (x[1] + d * (x[2] + d * x[3]));
-    return outlook->fast != 0.0 ? position - outlook->fast * expm1(-d / outlook->settling) : position;
+    *velocity = x[1] + d * (2.0 * x[2] + d * 3.0 * x[3]);
+    *acceleration = 2.0 * x[2] + d * 6.0 * x[3];
+    if (outlook->fast != 0.0) {
+        double settling = outlook->settling, decay = exp(-d / settling);
+        position -= outlook->fast * expm1(-d / settling);
+        *velocity += outlook->fast * decay / settling;
+        *acceleration -= outlook->fast * decay / (settling * settling);
+    }
+    return position;
 }
 
-double dea_outlook_stretch(const struct dea_device *device, const struct dea_outlook *outlook, int zone, double t) {
-    if (!outlook->slack[zone])
-        return dea_zone_stretch(device, zone, dea_outlook_position(outlook, t));
-    double d = t - outlook->start;
-    const double *lam = outlook->lam[zone];
-    return lam[0] + d * (lam[1] + d * (lam[2] + d * lam[3]));
+/* A zone's film with branches that have gone on at their rates since the last look ahead. */
+static enum dea_status imagine(struct dea_plant *plant, int k, double ahead, double x, double charge,
+                               bool with_derivatives, struct dea_film *film) {
+    const struct zone_point *point = &plant->points[k];
+    int branches = plant->zones[k].branch != ABSENT ? plant->device->material.branch_count : 0;
+    for (int b = 0; b < branches; b++)
+        for (int i = 0; i < 2; i++)
+            plant->imagined_states[2 * b + i] = point->states[2 * b + i] + ahead * point->branches[b].rate[i];
+    return dea_film_respond(plant->device, k, plant->zones[k].control, x, charge, plant->imagined_states,
+                            with_derivatives, plant->imagined_branches, film);
+}
+
+enum dea_status dea_plant_imagine_film(struct dea_plant *plant, int zone, double ahead, double x, double charge,
+                                       struct dea_film_outlook *out) {
+    struct dea_film film;
+    DEA_TRY(imagine(plant, zone, ahead, x, charge, true, &film));
+    *out = (struct dea_film_outlook){film.lam, film.capacitance, film.slack,
+                                     film.slack ? find_own_softness(plant->device, zone, &film) : 0.0};
+    return DEA_OK;
+}
+
+enum dea_status dea_plant_imagine_defect(struct dea_plant *plant, const struct dea_outlook *outlook, double t,
+                                         const double charges[DEA_ZONES], double *defect) {
+    const struct dea_device *device = plant->device;
+    double v, a, x = dea_outlook_motion(outlook, t, &v, &a);
+    double force = device->load + dea_piece_value(&plant->inputs.load, t, NULL);
+    for (int k = 0; k < DEA_ZONES; k++) {
+        struct dea_film film;
+        if (!plant->zones[k].present)
+            continue;
+        DEA_TRY(imagine(plant, k, t - outlook->start, x, charges[k], false, &film));
+        force -= device->zones[k].side * film.pull;
+    }
+    force += dea_stop_force(device, x, v, NULL, NULL, NULL, NULL);
+    *defect = force - device->damping * v - device->effective_mass * a;
+    return DEA_OK;
 }

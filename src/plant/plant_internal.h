@@ -77,6 +77,8 @@ struct dea_plant {
     /* scratch of the last evaluation */
     const double *rates_now; /* scaled derivatives that go with the state being evaluated; NULL: none needed */
     struct zone_point points[DEA_ZONES];
+    double *imagined_states; /* of one film in the near future, with its branches */
+    struct dea_branch_response *imagined_branches;
     double force;            /* on the platform without damping, N */
     double force_x, force_v; /* its derivatives from load and stops, N/m, N s/m */
     double stop_loss;        /* W */

@@ -27,7 +27,7 @@
 /* Rounding of lengths and stresses as large as the whole membrane's, in units of its last digit; a platform without
  * mass and damping sits where forces as large as the prestretch's cancel, and knows its place less well. */
 #define ROUNDING 4.0
-#define ROUNDING_OF_BALANCE 200.0
+#define ROUNDING_OF_BALANCE 2000.0
 
 /* The energy books add up errors of every step, those of the motion only some: their share of the tolerance, and the
  * part of the expected energy below which nothing is asked of them. */

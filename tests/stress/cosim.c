@@ -1,5 +1,7 @@
 /* What the coupling delivers for the accuracy asked, at what cost: against an integration of circuit and device as one
- * system. Usage: stress_cosim [CASE [A ...]] */
+ * system. Usage:
+ *   stress_cosim [all|CASE [A ...]]  accuracy delivered and cost
+ *   stress_cosim order               error against the interval of the exchange */
 #include "coupled_capture.h"
 #include "coupled_cases.h"
 
@@ -64,6 +66,46 @@ static void measure_case(const struct coupled_case *c, const double *accuracies,
     dea_scene_clear(&scene);
 }
 
+/* Error against a fixed exchange interval: every circuit step ends in an exchange, or the circuit is all but exact. */
+static void measure_order(const char *name, double longest, double accuracy) {
+    const struct coupled_case *c = find_case(name);
+    struct dea_scene scene;
+    struct coupled_trace trace;
+    make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &scene);
+    if (!solve_circuit(&c->circuit, &scene.devices[0].device, 1e-12, SAMPLES, &trace))
+        return;
+    printf("%s, circuit at A = %.0e\n%12s %10s %7s %10s %7s %9s %8s\n", name, accuracy, "interval us", "x", "order",
+           "port", "order", "coupling", "points");
+    struct coupled_error before = {0.0, 0.0};
+    for (int halvings = 0; halvings < 6; halvings++) {
+        struct coupled_rows rows;
+        double interval = longest / (1 << halvings);
+        run_with_horizon(&scene, accuracy, interval, SAMPLES, &rows);
+        struct coupled_error e = compare_with_trace(&rows, &trace);
+        printf("%12.3f %10.2e %7.2f %10.2e %7.2f %9.1e %8ld %s\n", 1e6 * interval, e.x, log2(before.x / e.x), e.port,
+               log2(before.port / e.port), rows.result.coupling_error, rows.result.stats_run.circuit_points,
+               rows.status < 0 ? rows.error.text : "");
+        fflush(stdout);
+        before = e;
+        free_rows(&rows);
+    }
+    free_trace(&trace);
+    dea_scene_clear(&scene);
+}
+
+static void measure_orders(void) {
+    static const struct {
+        const char *name;
+        double longest; /* s */
+    } tasks[] = {{"rc_step", 400e-6},          {"two_side_sine", 800e-6}, {"hold", 800e-6},
+                 {"massless_ramp", 100e-6},    {"massless_bias", 100e-6}, {"massless_viscous", 100e-6},
+                 {"massless_branches", 400e-6}};
+    for (size_t i = 0; i < sizeof tasks / sizeof tasks[0]; i++) {
+        measure_order(tasks[i].name, tasks[i].longest, 1e-7);
+        measure_order(tasks[i].name, tasks[i].longest, 1e-3);
+    }
+}
+
 int main(int argc, char **argv) {
     double accuracies[16] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
     int count = 5;
@@ -74,6 +116,11 @@ int main(int argc, char **argv) {
     const struct coupled_case *cases = list_cases(&case_count);
     struct test_folder folder;
     enter_folder(&folder);
+    if (argc > 1 && strcmp(argv[1], "order") == 0) {
+        measure_orders();
+        leave_folder(&folder);
+        return 0;
+    }
     printf("%-18s %7s %8s %8s %9s %9s %8s %6s %7s %8s %8s\n", "case", "A", "x/A", "port/A", "imbalance", "coupling",
            "points", "rej.", "steps", "resid.", "ms");
     for (size_t i = 0; i < case_count; i++)

@@ -1,6 +1,7 @@
 /* Scenes from texts, runs into memory. */
 #include "coupled_capture.h"
 
+#include "cosim/cosim.h"
 #include "cosim/native.h"
 #include "cosim/supervise.h"
 
@@ -96,6 +97,23 @@ void run_scene(const struct dea_scene *scene, enum dea_engine_choice engine, dou
     rows->status = scene->netlist != NULL ? run_supervised(&copy, &options, &sink, &rows->result, &rows->error)
                                           : run_native(&copy, NULL, &options, &sink, &rows->result, &rows->error);
     rows->result.stats_run.wall_s = dea_clock() - started;
+}
+
+void run_with_horizon(const struct dea_scene *scene, double accuracy, double horizon, size_t samples,
+                      struct coupled_rows *rows) {
+    struct dea_scene copy = *scene;
+    memset(rows, 0, sizeof *rows);
+    copy.accuracy = accuracy;
+    copy.sample = scene->stop / (double)samples;
+    struct dea_report silent = {0};
+    struct dea_run_options options = {.report = &silent};
+    struct row_sink sink = {.context = rows, .open = open_rows, .row = keep_row};
+    struct cosim_control control = {.horizon = horizon};
+    struct dea_netlist netlist = {0};
+    rows->status = cosim_read_netlist(&copy, false, &netlist, &rows->error);
+    if (rows->status == DEA_OK)
+        rows->status = cosim_run(&copy, &netlist, &options, &control, &sink, NULL, &rows->result, &rows->error);
+    dea_netlist_clear(&netlist);
 }
 
 void free_rows(struct coupled_rows *rows) {

@@ -32,6 +32,9 @@ struct coupled_rows {
 /* Runs a scene as dea_run_scene does, `samples` rows after the first, at this accuracy. */
 void run_scene(const struct dea_scene *scene, enum dea_engine_choice engine, double accuracy, size_t samples,
                struct coupled_rows *rows);
+/* The same in this process, with an exchange every `horizon` (s). */
+void run_with_horizon(const struct dea_scene *scene, double accuracy, double horizon, size_t samples,
+                      struct coupled_rows *rows);
 void free_rows(struct coupled_rows *rows);
 
 /* Column of a signal, or -1. */

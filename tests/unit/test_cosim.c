@@ -102,6 +102,45 @@ static void test_other_drives(void **state) {
     judge_case("r_electrode", 1e-3, 1e-5);
 }
 
+/* ---- order ---- */
+
+/* Error of x at a fixed exchange interval, the circuit's own error far below. */
+static double exchange_error(const struct dea_scene *scene, const struct coupled_trace *trace, double interval) {
+    struct coupled_rows rows;
+    run_with_horizon(scene, 1e-6, interval, SAMPLES, &rows);
+    if (rows.status != DEA_OK)
+        fail_msg("%s", rows.error.text);
+    double error = compare_with_trace(&rows, trace).x;
+    free_rows(&rows);
+    return error;
+}
+
+static void check_order(const char *name, double interval, double least, double most_error) {
+    const struct coupled_case *c = find_case(name);
+    struct dea_scene scene;
+    struct coupled_trace trace;
+    make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &scene);
+    assert_true(solve_circuit(&c->circuit, &scene.devices[0].device, 1e-11, SAMPLES, &trace));
+    double coarse = exchange_error(&scene, &trace, interval), fine = exchange_error(&scene, &trace, interval / 4);
+    double order = 0.5 * log2(coarse / fine);
+    if (!(order >= least && coarse <= most_error))
+        fail_msg("%s: order %.2f, errors %.2e and %.2e", name, order, coarse, fine);
+    free_trace(&trace);
+    dea_scene_clear(&scene);
+}
+
+/* With inertia the outlook is a Taylor series; without, what decides is that the capacitance gives way to its own
+ * voltage: as on a massless, branchless film behind 1 MOhm, also with the other side at 4 kV. */
+static void test_order_of_the_exchange(void **state) {
+    (void)state;
+    check_order("rc_step", 400e-6, 3.4, 2e-3);
+    check_order("two_side_sine", 800e-6, 3.6, 5e-3);
+    check_order("massless_ramp", 50e-6, 1.9, 1e-4);
+    check_order("massless_bias", 50e-6, 1.9, 1e-3);
+    check_order("massless_viscous", 50e-6, 2.4, 3e-4);
+    check_order("massless_branches", 200e-6, 1.9, 5e-4);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_rc_step, enter, leave),
@@ -111,6 +150,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_hold_on_leakage, enter, leave),
         cmocka_unit_test_setup_teardown(test_without_mass, enter, leave),
         cmocka_unit_test_setup_teardown(test_other_drives, enter, leave),
+        cmocka_unit_test_setup_teardown(test_order_of_the_exchange, enter, leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
