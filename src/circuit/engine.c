@@ -355,6 +355,14 @@ enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, s
     return DEA_OK;
 }
 
+void dea_engine_start_charge(struct dea_engine *engine, int instance, int port, double charge) {
+    const struct dea_netlist_instance *called = &engine->netlist->instances[instance];
+    char text[256];
+    snprintf(text, sizeof text, "alter @l.%s.lq%d[ic] = %.17g", called->path, port,
+             charge / dea_port_charge_unit(&engine->devices[called->device].ports[port]));
+    command(text);
+}
+
 /* ---- run ---- */
 
 /* What an early end of the transient means. */

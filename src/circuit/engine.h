@@ -86,6 +86,11 @@ void dea_listing_clear(struct dea_listing *listing);
 /* Points where external numbers jump: ngspice will land on them. After load, before run. */
 enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, struct dea_error *error);
 
+/* Film charge (C) a port of an instance starts from, where the deck's own is not meant. With uic, after load, before
+ * run.
+ */
+void dea_engine_start_charge(struct dea_engine *engine, int instance, int port, double charge);
+
 /* Runs to the end. DEA_OK at the end, DEA_STOPPED when a callback stopped it, DEA_ERR_INPUT when ngspice refuses the
  * circuit, DEA_ERR_SOLVER when it gives up (message: why, where, worst node, last steps). */
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error);

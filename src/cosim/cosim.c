@@ -22,7 +22,7 @@
 /* ngspice integrates at second order: its steps go as (reltol trtol)^(1/3) and its error as their square, so the
  * product goes as A^1.5. reltol also ends Newton's iterations, trtol only judges truncation. */
 #define NEWTON_SHARE 0.3
-#define TRUNCATION_FACTOR 0.6
+#define TRUNCATION_FACTOR 0.35
 /* Charges below this part of what the film can hold are not resolved any finer: rounding would stop ngspice. */
 #define SMALLEST_CHARGE 1e-3
 /* Where ngspice cannot step at these tolerances (junctions and edges at tight ones), both are loosened by this factor
@@ -297,8 +297,7 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
         DEA_TRY(observer_start(run->observer, error));
         for (int i = 0; i < run->count; i++)
             DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, &point->ports[i * DEA_ZONES], run->observer, error));
-        if (point->time <= 0.0)
-            return DEA_OK;
+        return DEA_OK;
     }
     DEA_TRY(report_failure(run, error));
     for (int i = 0; i < run->count; i++)
@@ -338,6 +337,35 @@ static enum dea_status rest_devices(struct cosim *run, struct dea_error *error) 
     return DEA_OK;
 }
 
+static double initial_voltage(const struct dea_netlist *netlist, const char *node) {
+    for (int i = 0; i < netlist->initial_count; i++)
+        if (strcmp(netlist->initials[i].node, node) == 0)
+            return netlist->initials[i].value;
+    return 0.0;
+}
+
+/* With uic the films start at what .ic gives their electrodes, at rest, whatever the circuit does next. */
+static enum dea_status start_from_initials(struct cosim *run, struct dea_error *error) {
+    for (int i = 0; i < run->count; i++) {
+        char *const *nodes = run->netlist->instances[i].nodes;
+        for (int p = 0; p < run->devices[i].port_count; p++)
+            run->rest_voltages[i * DEA_ZONES + p] =
+                initial_voltage(run->netlist, nodes[2 * p]) - initial_voltage(run->netlist, nodes[2 * p + 1]);
+    }
+    DEA_TRY(rest_devices(run, error));
+    DEA_TRY(observer_start(run->observer, error));
+    for (int i = 0; i < run->count; i++) {
+        struct dea_port_sample ports[DEA_ZONES];
+        for (int p = 0; p < run->devices[i].port_count; p++) {
+            double v = run->rest_voltages[i * DEA_ZONES + p];
+            ports[p] = (struct dea_port_sample){v, v, coupled_charge(&run->devices[i], p), 0.0};
+            dea_engine_start_charge(run->engine, i, p, ports[p].charge);
+        }
+        DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, ports, run->observer, error));
+    }
+    return DEA_OK;
+}
+
 /* Operating point and static equilibrium together: the circuit's film voltages and the devices' rest at them are
  * iterated until they agree; the round that agrees runs on. */
 static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
@@ -348,13 +376,15 @@ static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
                                              .message = pass_message};
     for (int round = 0; round < MAX_REST_ROUNDS; round++) {
         DEA_TRY(rest_devices(run, error));
-        run->resting = true;
+        run->resting = !run->deck_options.uic;
         run->reached = run->exchanged_at = 0.0;
         run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
         if (run->control->horizon > 0.0)
             run->horizon = run->control->horizon;
         DEA_TRY(dea_engine_load(run->engine, run->netlist, &run->deck, run->circuit_devices, &run->deck_options,
                                 &callbacks, error));
+        if (run->deck_options.uic)
+            DEA_TRY(start_from_initials(run, error));
         enum dea_status status = dea_engine_run(run->engine, error);
         if (run->resting && status == DEA_STOPPED)
             continue;

@@ -136,6 +136,11 @@ static enum dea_status turn_load(struct coupled *coupled, double t, struct dea_e
     return dea_plant_restart(coupled->plant, &coupled->inputs, error);
 }
 
+double coupled_charge(const struct coupled *coupled, int port) {
+    const struct window *window = &coupled->windows[port];
+    return window->points[window->count - 1].q;
+}
+
 double coupled_next_corner(const struct coupled *coupled) {
     return coupled->load != NULL ? coupled->inputs.load.end : INFINITY;
 }

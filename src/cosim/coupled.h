@@ -65,6 +65,9 @@ void coupled_clear(struct coupled *coupled);
 enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
                              const double *x, const double *v, struct dea_error *error);
 
+/* Film charge of a port at the last circuit point, C. */
+double coupled_charge(const struct coupled *coupled, int port);
+
 /* Next corner of the load after the plant's time, s; INFINITY without one. */
 double coupled_next_corner(const struct coupled *coupled);
 

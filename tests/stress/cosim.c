@@ -1,6 +1,8 @@
 /* What the coupling delivers for the accuracy asked, at what cost: against an integration of circuit and device as one
  * system. Usage:
  *   stress_cosim [all|CASE [A ...]]  accuracy delivered and cost
+ *   stress_cosim auto                the same, circuits solved as one problem where they are linear
+ *   stress_cosim robust              scenes of every kind: books, and what a tenth of the accuracy changes
  *   stress_cosim order               error against the interval of the exchange */
 #include "coupled_capture.h"
 #include "coupled_cases.h"
@@ -25,7 +27,8 @@ static void print_row(const char *name, double a, const struct coupled_rows *row
     fflush(stdout);
 }
 
-static void measure_case(const struct coupled_case *c, const double *accuracies, int count) {
+static void measure_case(const struct coupled_case *c, enum dea_engine_choice engine, const double *accuracies,
+                         int count) {
     struct dea_scene scene;
     struct coupled_trace trace, coarse;
     make_circuit_scene(c->device, &c->circuit, SILENT_EVENTS, &scene);
@@ -57,7 +60,7 @@ static void measure_case(const struct coupled_case *c, const double *accuracies,
     printf("%-18s reference %ld steps, own difference %.1e, native run %.1e\n", c->name, trace.steps,
            sqrt(worst / size), native);
     for (int i = 0; i < count; i++) {
-        run_scene(&scene, DEA_ENGINE_NGSPICE, accuracies[i], SAMPLES, &rows);
+        run_scene(&scene, engine, accuracies[i], SAMPLES, &rows);
         print_row("", accuracies[i], &rows, compare_with_trace(&rows, &trace));
         free_rows(&rows);
     }
@@ -106,6 +109,40 @@ static void measure_orders(void) {
     }
 }
 
+static void measure_robustness(void) {
+    static const double accuracies[] = {1e-3, 1e-4, 1e-5, 1e-6};
+    enum { COUNT = sizeof accuracies / sizeof accuracies[0] };
+    size_t count;
+    const struct coupled_scene *scenes = list_scenes(&count);
+    printf("%-18s %7s %9s %9s %9s %8s %7s %8s\n", "scene", "A", "change/A", "imbal./A", "coupl./A", "points", "steps",
+           "ms");
+    for (size_t i = 0; i < count; i++) {
+        struct dea_scene scene;
+        struct coupled_rows rows[COUNT];
+        make_listed_scene(&scenes[i], &scene);
+        for (int a = 0; a < COUNT; a++)
+            run_scene(&scene, DEA_ENGINE_NGSPICE, accuracies[a], 500, &rows[a]);
+        for (int a = 0; a < COUNT; a++) {
+            const struct dea_result *result = &rows[a].result;
+            struct coupled_error change = {NAN, NAN};
+            if (a + 1 < COUNT)
+                change = compare_rows(&rows[a], &rows[a + 1]);
+            double largest = fmax(change.x, change.port) / accuracies[a];
+            double imbalance = result->energy.imbalance / accuracies[a],
+                   coupling = result->coupling_error / accuracies[a];
+            printf("%-18s %7.0e %9.3f %9.3f %9.3f %8ld %7ld %8.1f %.*s%s%s\n", a == 0 ? scenes[i].name : "",
+                   accuracies[a], largest, imbalance, coupling, result->stats_run.circuit_points,
+                   result->stats_run.plant_steps, 1e3 * result->stats_run.wall_s, result->relaxed, "rrrr",
+                   largest > 1.0 || !(imbalance <= 1.0) || !(coupling <= 1.0) ? "  <<<" : "",
+                   rows[a].status < 0 ? rows[a].error.text : "");
+        }
+        fflush(stdout);
+        for (int a = 0; a < COUNT; a++)
+            free_rows(&rows[a]);
+        dea_scene_clear(&scene);
+    }
+}
+
 int main(int argc, char **argv) {
     double accuracies[16] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
     int count = 5;
@@ -114,18 +151,23 @@ int main(int argc, char **argv) {
             accuracies[count] = atof(argv[count + 2]);
     size_t case_count;
     const struct coupled_case *cases = list_cases(&case_count);
+    bool linear = argc > 1 && strcmp(argv[1], "auto") == 0, every = argc < 2 || linear || strcmp(argv[1], "all") == 0;
+    enum dea_engine_choice engine = linear ? DEA_ENGINE_AUTO : DEA_ENGINE_NGSPICE;
     struct test_folder folder;
     enter_folder(&folder);
-    if (argc > 1 && strcmp(argv[1], "order") == 0) {
-        measure_orders();
+    if (argc > 1 && (strcmp(argv[1], "order") == 0 || strcmp(argv[1], "robust") == 0)) {
+        if (strcmp(argv[1], "order") == 0)
+            measure_orders();
+        else
+            measure_robustness();
         leave_folder(&folder);
         return 0;
     }
     printf("%-18s %7s %8s %8s %9s %9s %8s %6s %7s %8s %8s\n", "case", "A", "x/A", "port/A", "imbalance", "coupling",
            "points", "rej.", "steps", "resid.", "ms");
     for (size_t i = 0; i < case_count; i++)
-        if (argc < 2 || strcmp(argv[1], "all") == 0 || strcmp(argv[1], cases[i].name) == 0)
-            measure_case(&cases[i], accuracies, count);
+        if (every || strcmp(argv[1], cases[i].name) == 0)
+            measure_case(&cases[i], engine, accuracies, count);
     leave_folder(&folder);
     return 0;
 }

@@ -4,6 +4,7 @@
 #include "cosim/cosim.h"
 #include "cosim/native.h"
 #include "cosim/supervise.h"
+#include "coupled_cases.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -50,6 +51,15 @@ void make_circuit_scene(const char *device, const struct drive_circuit *circuit,
         abort();
     make_scene(device, "circuit.cir", circuit->stop, extra, scene);
     write_circuit("circuit.cir", circuit, &scene->devices[0].device);
+}
+
+void make_listed_scene(const struct coupled_scene *listed, struct dea_scene *scene) {
+    char extra[512];
+    FILE *file = fopen("listed.cir", "w");
+    if (file == NULL || fputs(listed->netlist, file) == EOF || fclose(file) != 0)
+        abort();
+    snprintf(extra, sizeof extra, "%s\n%s", SILENT_EVENTS, listed->extra);
+    make_scene(listed->device, "listed.cir", listed->stop, extra, scene);
 }
 
 /* ---- runs ---- */

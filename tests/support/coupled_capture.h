@@ -3,6 +3,7 @@
 #define DEASIM_TEST_COUPLED_CAPTURE_H
 
 #include "circuits.h"
+#include "coupled_scenes.h"
 #include "deasim/run.h"
 
 /* A folder of its own, entered by `enter_folder` and removed with all in it by `leave_folder`. */
@@ -19,6 +20,9 @@ void make_scene(const char *device, const char *netlist, double stop, const char
 /* The same for a drive circuit, which is written to circuit.cir. */
 void make_circuit_scene(const char *device, const struct drive_circuit *circuit, const char *extra,
                         struct dea_scene *scene);
+
+/* The same for one of the scenes of coupled_scenes.h; events are not watched. */
+void make_listed_scene(const struct coupled_scene *listed, struct dea_scene *scene);
 
 struct coupled_rows {
     enum dea_status status;

@@ -1,0 +1,190 @@
+/* Devices in circuits of every kind: they run, their books close, and a tenth of the accuracy changes no more than it
+ * may. Then single traits of one device between plant and circuit. */
+#include "coupled_capture.h"
+#include "coupled_cases.h"
+
+#include "cosim/coupled.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static int enter(void **state) {
+    static struct test_folder folder;
+    enter_folder(&folder);
+    *state = &folder;
+    return 0;
+}
+
+static int leave(void **state) {
+    leave_folder(*state);
+    return 0;
+}
+
+/* ---- every kind of circuit ---- */
+
+static void judge_scene(const struct coupled_scene *listed) {
+    struct dea_scene scene;
+    struct coupled_rows coarse, fine;
+    make_listed_scene(listed, &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 500, &coarse);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-5, 500, &fine);
+    if (coarse.status != DEA_OK || fine.status != DEA_OK)
+        fail_msg("%s: %s", listed->name, coarse.status != DEA_OK ? coarse.error.text : fine.error.text);
+    struct coupled_error change = compare_rows(&coarse, &fine);
+    if (!(change.x <= 1e-4 && change.port <= 1e-4))
+        fail_msg("%s: A = 1e-5 changes x by %.2e, a port by %.2e", listed->name, change.x, change.port);
+    if (!(coarse.result.energy.imbalance <= 1e-4 && coarse.result.coupling_error <= 1e-4))
+        fail_msg("%s: imbalance %.2e, coupling error %.2e", listed->name, coarse.result.energy.imbalance,
+                 coarse.result.coupling_error);
+    assert_int_equal(coarse.result.relaxed, 0);
+    assert_int_equal(coarse.result.redone, 0);
+    free_rows(&coarse);
+    free_rows(&fine);
+    dea_scene_clear(&scene);
+}
+
+static void test_every_kind(void **state) {
+    (void)state;
+    size_t count;
+    const struct coupled_scene *scenes = list_scenes(&count);
+    for (size_t i = 0; i < count; i++)
+        judge_scene(&scenes[i]);
+}
+
+static const struct coupled_scene *find_scene(const char *name) {
+    size_t count;
+    const struct coupled_scene *scenes = list_scenes(&count);
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(scenes[i].name, name) == 0)
+            return &scenes[i];
+    fail_msg("no scene %s", name);
+    return NULL;
+}
+
+static double last_value(const struct coupled_rows *rows, const char *name) {
+    int column = find_signal(rows, name);
+    if (column < 0)
+        fail_msg("no signal %s", name);
+    return rows->values[(rows->count - 1) * rows->columns + (size_t)column];
+}
+
+/* A node without any path to ground has no operating point; the message says where and what helps. */
+static void test_floating_electrode_is_named(void **state) {
+    (void)state;
+    static const struct coupled_scene floating = {
+        "floating", "device: {" TWO_ZONES "}",
+        "t\nVs s 0 2500\nRs s left 1meg\nRr r 0 1k\nXdea left 0 right r pos DEA\n.end\n", 1e-3, ""};
+    struct dea_scene scene;
+    struct coupled_rows rows;
+    make_listed_scene(&floating, &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 100, &rows);
+    assert_int_equal(rows.status, DEA_ERR_SOLVER);
+    assert_non_null(strstr(rows.error.text, "no operating point at t = 0, singular at right"));
+    assert_non_null(strstr(rows.error.text, "rshunt"));
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+}
+
+/* The pins follow the zones' order in the device file. */
+static void test_right_zone_first(void **state) {
+    (void)state;
+    struct dea_scene scene;
+    struct coupled_rows rows, usual;
+    make_listed_scene(find_scene("right_first"), &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-5, 500, &rows);
+    dea_scene_clear(&scene);
+    struct coupled_scene left_first = *find_scene("r_1e5");
+    left_first.netlist = find_scene("right_first")->netlist;
+    make_listed_scene(&left_first, &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-5, 500, &usual);
+    dea_scene_clear(&scene);
+    assert_true(last_value(&rows, "right.port_voltage") > 2400.0);
+    assert_true(last_value(&usual, "left.port_voltage") > 2400.0);
+    double x = last_value(&rows, "x"), mirrored = last_value(&usual, "x");
+    assert_true(mirrored > 1e-4);
+    assert_true(fabs(x + mirrored) < 1e-5 * mirrored);
+    free_rows(&rows);
+    free_rows(&usual);
+}
+
+/* Instances keep apart: names, states, books. */
+static void test_two_devices(void **state) {
+    (void)state;
+    struct dea_scene scene;
+    struct coupled_rows rows;
+    make_listed_scene(find_scene("twice"), &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 500, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    assert_true(find_signal(&rows, "x") < 0);
+    double one = last_value(&rows, "xone.x"), two = last_value(&rows, "xtwo.x");
+    assert_true(one > 0.0 && two > 0.0 && fabs(one - two) > 1e-3 * one);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+    make_listed_scene(find_scene("two_devices"), &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 500, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    assert_true(find_signal(&rows, "DEA.x") >= 0 && find_signal(&rows, "DEB.left.port_voltage") >= 0);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+}
+
+/* Bias at t = 0: operating point and rest together, leakage included. Nothing moves until the drive does. */
+static void test_rest_under_bias(void **state) {
+    (void)state;
+    static const char *const names[] = {"bias", "bias_leak", "bias_exp"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct dea_scene scene;
+        struct coupled_rows rows;
+        make_listed_scene(find_scene(names[i]), &scene);
+        run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-5, 400, &rows);
+        assert_int_equal(rows.status, DEA_OK);
+        int x = find_signal(&rows, "x");
+        double first = rows.values[x];
+        assert_true(fabs(first) > 1e-5);
+        for (size_t r = 0; r < rows.count && rows.times[r] < 1e-3; r++)
+            assert_true(fabs(rows.values[r * rows.columns + (size_t)x] - first) < 1e-7 * fabs(first));
+        free_rows(&rows);
+        dea_scene_clear(&scene);
+    }
+}
+
+/* With uic the films start empty unless .ic gives their electrodes a voltage. */
+static void test_start_from_initial_conditions(void **state) {
+    (void)state;
+    struct dea_scene scene;
+    struct coupled_rows rows;
+    make_listed_scene(find_scene("uic_plain"), &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 400, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    int port = find_signal(&rows, "left.port_voltage");
+    assert_true(fabs(rows.values[port]) < 1.0);
+    assert_true(last_value(&rows, "left.port_voltage") > 1990.0);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+    make_listed_scene(find_scene("uic"), &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-4, 400, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    port = find_signal(&rows, "left.port_voltage");
+    assert_true(fabs(rows.values[port] - 1500.0) < 1.0);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_every_kind, enter, leave),
+        cmocka_unit_test_setup_teardown(test_floating_electrode_is_named, enter, leave),
+        cmocka_unit_test_setup_teardown(test_right_zone_first, enter, leave),
+        cmocka_unit_test_setup_teardown(test_two_devices, enter, leave),
+        cmocka_unit_test_setup_teardown(test_rest_under_bias, enter, leave),
+        cmocka_unit_test_setup_teardown(test_start_from_initial_conditions, enter, leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
