@@ -141,7 +141,7 @@ static const struct coupled_scene scenes[] = {
      "t\nVs s 0 PWL(0 0 1m 0 1.1m 3300 6m 3300 6.1m 0)\nRs s left 1meg\nXdea left 0 pos DEA\n.end\n", 0.02, ""},
     {"slack_static",
      "device: {" ELASTIC ", geometry: {prestretch: [1.02, 1.2]}, options: {membrane_mass: false}, platform: {mass: 0 "
-                         "kg, damping: 0.05 N s/m}}",
+     "kg, damping: 0.05 N s/m}}",
      "t\nVs s 0 PWL(0 0 1m 0 3m 4000 6m 4000 8m 0)\nRs s left 1meg\nRr right 0 1meg\nXdea left 0 right 0 pos "
      "DEA\n.end\n",
      0.012, ""},
