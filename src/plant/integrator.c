@@ -105,8 +105,12 @@ enum dea_status dea_plant_create(const struct dea_device *device, const struct d
 void dea_plant_destroy(struct dea_plant *plant) {
     if (plant == NULL)
         return;
-    if (plant->ida != NULL)
+    if (plant->ida != NULL) {
+        /* IDAFree frees as many loss vectors as the highest order has at the time */
+        struct dea_error ignored;
+        (void)plant_free_order(plant, &ignored);
         IDAFree(&plant->ida);
+    }
     if (plant->solver != NULL)
         SUNLinSolFree(plant->solver);
     if (plant->matrix != NULL)
