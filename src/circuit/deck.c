@@ -72,6 +72,10 @@ static enum dea_status add_port(struct builder *builder, const struct dea_port *
         DEA_TRY(add(builder, -1, "Lq%d q%d 0 %.17g", i, i, unit));
     DEA_TRY(add(builder, -1, "Gq%d %s n%d q%d 0 1", i, film, i, i));
 
+    if (port->may_short) {
+        DEA_TRY(add(builder, -1, "Vh%d h%d 0 external", i, i));
+        DEA_TRY(add(builder, -1, "Bh%d %s n%d I=V(%s,n%d)*V(h%d)", i, film, i, film, i, i));
+    }
     if (port->conductivity > 0.0) {
         /* I = s0 A lam E exp(|E|/E_B), E = V lam / (t0 lp1) */
         double ohmic = port->conductivity * port->leakage_area / port->leakage_thickness;

@@ -21,6 +21,7 @@ enum dea_external {
     DEA_EXTERNAL_OFFSET,      /* q0, C */
     DEA_EXTERNAL_RESISTANCE,  /* R_e, Ohm */
     DEA_EXTERNAL_STRETCH,     /* lam1, for the leakage */
+    DEA_EXTERNAL_SHORT,       /* conductance of a punctured film, S */
     DEA_EXTERNAL_POSITION,    /* x, m (zone is -1); the pin shows 1 V per mm */
     DEA_EXTERNAL_COUNT
 };
@@ -35,6 +36,7 @@ struct dea_port {
     double conductivity_field; /* E_B in sigma = s0 exp(|E|/E_B), V/m; INFINITY: ohmic */
     double leakage_area;       /* w l0 / lp1: area is this times lam1, m^2 */
     double leakage_thickness;  /* t0 lp1: E = V lam1 / this, m */
+    bool may_short;            /* ask for DEA_EXTERNAL_SHORT */
     double initial_charge;     /* C; used with uic only, same for all instances of the device */
 };
 

@@ -15,7 +15,7 @@ static enum dea_status out_of_memory(struct dea_error *error) {
 
 static enum dea_status add_source(struct dea_engine *engine, int instance, int port, enum dea_external which,
                                   double scale, struct dea_error *error) {
-    static const char letters[DEA_EXTERNAL_COUNT] = {'c', 'd', 'r', 's', 'p'};
+    static const char letters[DEA_EXTERNAL_COUNT] = {'c', 'd', 'r', 's', 'h', 'p'};
     struct dea_external_source *source = &engine->sources[engine->source_count];
     *source = (struct dea_external_source){.instance = instance, .port = port, .which = which, .scale = scale};
     const char *path = engine->netlist->instances[instance].path;
@@ -41,6 +41,8 @@ static enum dea_status add_sources(struct dea_engine *engine, int instance, stru
             DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_RESISTANCE, 1.0 / port->resistance, error));
         if (port->conductivity > 0.0)
             DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_STRETCH, 1.0, error));
+        if (port->may_short)
+            DEA_TRY(add_source(engine, instance, i, DEA_EXTERNAL_SHORT, 1.0, error));
     }
     return add_source(engine, instance, -1, DEA_EXTERNAL_POSITION, 1e3, error); /* 1 V per mm */
 }

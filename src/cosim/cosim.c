@@ -18,17 +18,7 @@
 /* Of A, to the mismatch of one exchange: with inertia mismatches add up to velocity, without they are forgotten. */
 #define COUPLING_SHARE 0.01
 #define FORGOTTEN_SHARE 0.03
-#define FIT_SHARE 0.02 /* of A, to the charge fits */
-/* ngspice integrates at second order: its steps go as (reltol trtol)^(1/3) and its error as their square, so the
- * product goes as A^1.5. reltol also ends Newton's iterations, trtol only judges truncation. */
-#define NEWTON_SHARE 0.3
-#define TRUNCATION_FACTOR 0.35
-/* Charges below this part of what the film can hold are not resolved any finer: rounding would stop ngspice. */
-#define SMALLEST_CHARGE 1e-3
-/* Where ngspice cannot step at these tolerances (junctions and edges at tight ones), both are loosened by this factor
- * and the run repeated. */
-#define RELAXATION 4.0
-
+#define FIT_SHARE 0.02          /* of A, to the charge fits */
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 #define MAX_REST_ROUNDS 50
 
@@ -58,83 +48,7 @@ struct cosim {
     struct dea_error failure;
 };
 
-/* ---- what the scene asks for ---- */
-
-enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
-                                   struct dea_error *error) {
-    struct dea_netlist_device *devices = calloc((size_t)scene->device_count, sizeof *devices);
-    if (devices == NULL)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d devices", scene->device_count);
-    enum dea_status status = DEA_OK;
-    for (int d = 0; d < scene->device_count && status == DEA_OK; d++) {
-        int zones[DEA_ZONES];
-        devices[d].name = scene->devices[d].name;
-        devices[d].electrodes = coupled_order_ports(&scene->devices[d].device, zones);
-        if (devices[d].electrodes == 0)
-            status = dea_fail(error, DEA_ERR_INPUT, "%s: device %s has no electrode, so a netlist cannot drive it",
-                              scene->path, scene->devices[d].name);
-        for (int p = 0; p < devices[d].electrodes; p++)
-            devices[d].zone_names[p] = dea_zone_names[zones[p]];
-    }
-    struct dea_netlist_options options = {.trusted = trusted, .devices = devices, .device_count = scene->device_count};
-    if (status == DEA_OK)
-        status = dea_netlist_read(scene->netlist, &options, netlist, error);
-    free(devices);
-    return status;
-}
-
-enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
-                                  struct dea_error *error) {
-    *stop = scene->has_transient ? scene->stop : netlist->tran.stop;
-    if (*stop > 0.0)
-        return DEA_OK;
-    return dea_fail(error, DEA_ERR_INPUT,
-                    "%s: no end of the run: give transient.stop in the scene, or a .tran with plain numbers in %s",
-                    scene->path, scene->netlist);
-}
-
-static void describe_port(const struct dea_device *device, int k, struct dea_port *port) {
-    const struct dea_zone *zone = &device->zones[k];
-    const struct dea_dielectric *dielectric = &device->material.dielectric;
-    *port = (struct dea_port){
-        .rest_capacitance = zone->rest_capacitance,
-        .offset = device->effective_mass <= 0.0 || device->slack,
-        .resistance = dea_zone_resistance(device, k, device->prestretch[0], NULL),
-        .resistance_external = zone->sheet_resistance > 0.0,
-        .conductivity = dielectric->conductivity,
-        .conductivity_field = dielectric->conductivity_field,
-        .leakage_area = device->width * zone->length / device->prestretch[0],
-        .leakage_thickness = device->thickness * device->prestretch[0],
-    };
-}
-
-enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,
-                                       struct dea_error *error) {
-    *devices = calloc((size_t)scene->device_count, sizeof **devices);
-    if (*devices == NULL)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d devices", scene->device_count);
-    for (int d = 0; d < scene->device_count; d++) {
-        const struct dea_device *device = &scene->devices[d].device;
-        int zones[DEA_ZONES];
-        (*devices)[d].name = scene->devices[d].name;
-        (*devices)[d].port_count = coupled_order_ports(device, zones);
-        for (int p = 0; p < (*devices)[d].port_count; p++)
-            describe_port(device, zones[p], &(*devices)[d].ports[p]);
-    }
-    return DEA_OK;
-}
-
-/* Voltage the device is meant for: its breakdown field over the resting film; without one, where Maxwell stress meets
- * the modulus. */
-static double expect_voltage(const struct dea_device *device) {
-    const struct dea_dielectric *dielectric = &device->material.dielectric;
-    if (!isinf(dielectric->breakdown))
-        return device->thickness *
-               dea_breakdown_field(dielectric, device->thickness, device->prestretch[0], device->prestretch[1]);
-    double permittivity = dielectric->permittivity + dielectric->permittivity_slope * device->prestretch[0];
-    return device->thickness *
-           sqrt(dea_law_modulus(&device->material.elastic) / (DEA_VACUUM_PERMITTIVITY * permittivity));
-}
+/* ---- devices ---- */
 
 static double natural_time(const struct dea_device *device) {
     if (device->effective_mass > 0.0)
@@ -160,7 +74,8 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     for (int i = 0; i < run->count; i++) {
         const struct dea_netlist_instance *instance = &run->netlist->instances[i];
         const struct dea_device *device = &scene->devices[instance->device].device;
-        struct coupled_demand demand = {PLANT_SHARE * scene->accuracy, run->stop, expect_voltage(device)};
+        struct coupled_demand demand = {PLANT_SHARE * scene->accuracy, run->stop, cosim_expect_voltage(device),
+                                        scene->policies[DEA_EVENT_BREAKDOWN] > DEA_POLICY_WARN};
         DEA_TRY(
             coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL, &demand, error));
         DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
@@ -177,25 +92,6 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
     return DEA_OK;
 }
 
-void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop, int relaxed,
-                             struct dea_deck_options *options) {
-    double looser = pow(RELAXATION, relaxed), largest_charge = 0.0;
-    for (int d = 0; d < scene->device_count; d++) {
-        const struct dea_device *device = &scene->devices[d].device;
-        for (int k = 0; k < DEA_ZONES; k++)
-            largest_charge = fmax(largest_charge, device->zones[k].rest_capacitance * expect_voltage(device));
-    }
-    *options = (struct dea_deck_options){
-        .stop = stop,
-        .step = netlist->tran.step,
-        .max_step = netlist->tran.max_step,
-        .uic = netlist->tran.uic,
-        .reltol = fmin(1e-3, NEWTON_SHARE * scene->accuracy * looser),
-        .trtol = fmin(TRUNCATION_FACTOR * sqrt(scene->accuracy) * looser, 7.0),
-        .chgtol = SMALLEST_CHARGE * largest_charge,
-    };
-}
-
 /* ---- exchange ---- */
 
 /* For a callback that cannot fail: the next one that can reports it. */
@@ -203,17 +99,6 @@ static enum dea_status report_failure(const struct cosim *run, struct dea_error 
     if (run->status < 0 && error != NULL)
         *error = run->failure;
     return run->status;
-}
-
-static enum dea_status apply_policy(struct cosim *run, const struct exchange *exchange, double t) {
-    if (exchange->policy == DEA_POLICY_STOP)
-        return DEA_STOPPED;
-    if (exchange->policy == DEA_POLICY_SHORT) {
-        snprintf(run->result->reason, sizeof run->result->reason, "t = %.9g s: breakdown in zone %s", t,
-                 exchange->zone >= 0 ? dea_zone_names[exchange->zone] : "?");
-        return DEA_STOPPED;
-    }
-    return DEA_OK;
 }
 
 /* Relative mismatch of capacitance that one exchange of a device may find. */
@@ -224,7 +109,7 @@ static double allow_mismatch(const struct cosim *run, int i) {
 
 /* All plants catch up with the circuit; the mismatch sets how far the new outlooks reach. */
 static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) {
-    double mismatch = 0.0; /* over what it may be */
+    double mismatch = 0.0, end = run->reached; /* mismatch over what it may be */
     enum dea_status status = DEA_OK;
     for (int i = 0; i < run->count; i++) {
         struct exchange exchange;
@@ -232,9 +117,15 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
         double fit = FIT_SHARE * run->scene->accuracy * natural_time(device->device);
         DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
         mismatch = fmax(mismatch, exchange.mismatch / allow_mismatch(run, i));
-        enum dea_status wish = apply_policy(run, &exchange, dea_plant_time(device->plant));
-        if (wish != DEA_OK)
-            status = wish;
+        if (exchange.policy == DEA_POLICY_STOP) {
+            status = DEA_STOPPED;
+            end = fmin(end, dea_plant_time(device->plant));
+        }
+    }
+    if (status == DEA_STOPPED) {
+        run->exchanged_at = end;
+        DEA_TRY(observer_write(run->observer, end, error));
+        return status;
     }
     double grow = mismatch > 0.0 ? 0.9 * pow(mismatch, -1.0 / 3.0) : 3.0;
     run->horizon = fmin((run->reached - run->exchanged_at) * fmin(fmax(grow, 0.25), 3.0), run->stop / 20.0);
@@ -248,7 +139,6 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
                         run->reached, run->horizon, mismatch);
     for (int i = 0; i < run->count; i++)
         DEA_TRY(coupled_renew(&run->devices[i], run->horizon, error));
-    DEA_TRY(status);
     return observer_write(run->observer, run->reached, error);
 }
 
@@ -274,6 +164,19 @@ static void limit_step(void *context, double t, double *delta) {
     }
 }
 
+/* First row, and what is beyond a limit from the start. */
+static enum dea_status begin_observing(struct cosim *run, struct dea_error *error) {
+    DEA_TRY(observer_start(run->observer, error));
+    for (int i = 0; i < run->count; i++) {
+        int zone;
+        enum dea_policy policy = observer_conditions(run->observer, i, 0.0, &zone);
+        coupled_short(&run->devices[i], observer_short_zones(run->observer));
+        if (policy == DEA_POLICY_STOP)
+            return DEA_STOPPED;
+    }
+    return DEA_OK;
+}
+
 /* One round of the search for the operating point: how far are the film voltages from those the devices rest at? */
 static enum dea_status compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
     run->rest_change = 0.0;
@@ -294,7 +197,7 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
         if (run->rest_change > 1e-10)
             return DEA_STOPPED;
         run->resting = false;
-        DEA_TRY(observer_start(run->observer, error));
+        DEA_TRY(begin_observing(run, error));
         for (int i = 0; i < run->count; i++)
             DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, &point->ports[i * DEA_ZONES], run->observer, error));
         return DEA_OK;
@@ -353,7 +256,7 @@ static enum dea_status start_from_initials(struct cosim *run, struct dea_error *
                 initial_voltage(run->netlist, nodes[2 * p]) - initial_voltage(run->netlist, nodes[2 * p + 1]);
     }
     DEA_TRY(rest_devices(run, error));
-    DEA_TRY(observer_start(run->observer, error));
+    DEA_TRY(begin_observing(run, error));
     for (int i = 0; i < run->count; i++) {
         struct dea_port_sample ports[DEA_ZONES];
         for (int p = 0; p < run->devices[i].port_count; p++) {
@@ -426,13 +329,13 @@ static void settle_books(struct cosim *run) {
         struct dea_energy plant;
         if (dea_plant_energy(run->devices[i].plant, &plant, NULL) != DEA_OK)
             continue;
-        difference += fabs(run->devices[i].film_work - plant.electrical);
-        double outside = run->devices[i].resistive + run->devices[i].leakage;
-        energy->resistive += run->devices[i].resistive;
-        energy->leakage += run->devices[i].leakage;
+        difference += fabs(run->devices[i].books.film_work - plant.electrical);
+        double outside = run->devices[i].books.resistive + run->devices[i].books.leakage;
+        energy->resistive += run->devices[i].books.resistive;
+        energy->leakage += run->devices[i].books.leakage;
         energy->dissipated += outside;
-        energy->electrical += run->devices[i].film_work - plant.electrical + outside;
-        energy->in += run->devices[i].film_work - plant.electrical + outside;
+        energy->electrical += run->devices[i].books.film_work - plant.electrical + outside;
+        energy->in += run->devices[i].books.film_work - plant.electrical + outside;
         energy->exchanged += fabs(outside);
     }
     if (energy->exchanged > 0.0) {
@@ -486,8 +389,7 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
     if (status == DEA_OK) {
         dea_report_begin(options->report);
         status = run_rounds(&run, error);
-        if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED || status == DEA_STOPPED) &&
-            run.reached > run.exchanged_at) {
+        if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED) && run.reached > run.exchanged_at) {
             enum dea_status last = exchange_all(&run, status >= 0 ? error : NULL);
             if (status == DEA_OK)
                 status = last;

@@ -18,6 +18,10 @@ enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea
 enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
                                     struct dea_error *error);
 
+/* Voltage (V) a device is meant for: its breakdown field over the resting film; without one, where Maxwell stress meets
+ * the modulus. */
+double cosim_expect_voltage(const struct dea_device *device);
+
 /* End of the run: the scene's, or the netlist's .tran. */
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
                                   struct dea_error *error);

@@ -1,11 +1,8 @@
 /* One device between plant and circuit. */
-#include "cosim/coupled.h"
+#include "cosim/coupled_internal.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The part of a capacitance that its own voltage may explain within one step. */
-#define MAX_SOFT_PART 0.5
 
 int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
     int count = 0;
@@ -20,7 +17,7 @@ int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
                                const struct dea_waveform *load, const struct coupled_demand *demand,
                                struct dea_error *error) {
-    *coupled = (struct coupled){.device = device, .load = load, .told_at = NAN};
+    *coupled = (struct coupled){.device = device, .load = load, .told_at = NAN, .watched = demand->breakdown};
     struct dea_plant_options options = {.accuracy = demand->accuracy,
                                         .duration = demand->duration,
                                         .load_peak =
@@ -36,87 +33,6 @@ void coupled_clear(struct coupled *coupled) {
     for (int p = 0; p < DEA_ZONES; p++)
         window_clear(&coupled->windows[p]);
     memset(coupled, 0, sizeof *coupled);
-}
-
-/* ---- what the circuit is told ---- */
-
-/* Charge of a film a circuit step after its last point. */
-static double foresee_charge(const struct coupled *coupled, int port, double t) {
-    const struct window *window = &coupled->windows[port];
-    const struct window_point *last = &window->points[window->count - 1];
-    double rate = coupled->outlook.charge_rate[coupled->zones[port]];
-    if (window->count > 1)
-        rate = (last->q - last[-1].q) / (last->t - last[-1].t);
-    return last->q + rate * (t - last->t);
-}
-
-/* How far the correction of the last outlook has faded, 1 to 0. */
-static double fade(const struct coupled *coupled, double ahead) {
-    double part = coupled->horizon > 0.0 ? fmin(ahead / coupled->horizon, 1.0) : 1.0;
-    return (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part);
-}
-
-/* The tangent of Q(V) of one film at time t, about a charge. */
-static struct told_film tell_film(const struct coupled *coupled, int port, double t, double charge) {
-    const struct dea_outlook *outlook = &coupled->outlook;
-    const struct dea_device *device = coupled->device;
-    int k = coupled->zones[port];
-    double ahead = fmax(t - outlook->start, 0.0), x = dea_outlook_position(outlook, outlook->start + ahead);
-    /* a wild outlook must not lead out of the model */
-    double lam = fmin(fmax(dea_zone_stretch(device, k, x), 0.2 * device->prestretch[0]), 5.0 * device->prestretch[0]);
-    double c = dea_zone_capacitance(device, k, lam, NULL, NULL), v, soft = 0.0;
-    struct dea_film_outlook film = {.slack = false};
-    if (device->slack && dea_plant_imagine_film(coupled->plant, k, ahead, x, charge, &film) == DEA_OK &&
-        film.slack) { /* its own charge stretches it, at once */
-        lam = film.stretch;
-        c = film.capacitance;
-        soft = film.softness;
-        v = charge / c;
-    } else {
-        v = (outlook->charge[k] + outlook->charge_rate[k] * ahead) / c;
-        /* Inertia keeps the platform from following its own voltage within a step, the outlook alone is smoother;
-         * damping lets it follow what the voltage does beyond the outlook since the last point. */
-        if (outlook->mass <= 0.0 && outlook->damping <= 0.0) {
-            soft = dea_outlook_softness(outlook, k, ahead);
-        } else if (outlook->mass <= 0.0) {
-            const struct window_point *last = &coupled->windows[port].points[coupled->windows[port].count - 1];
-            double foreseen = (outlook->charge[k] + outlook->charge_rate[k] * (last->t - outlook->start)) / c;
-            soft = dea_outlook_softness(outlook, k, t - last->t);
-            v = copysign(sqrt(fmax(v * v - foreseen * foreseen + last->q / c * last->q / c, 0.0)), last->q);
-        }
-    }
-    if (soft * v * v > MAX_SOFT_PART * c)
-        soft = MAX_SOFT_PART * c / (v * v);
-    /* at the outlook's own voltage, where the capacitance grows with V^2 as the film gives way */
-    double slope = c + 2.0 * soft * v * v + coupled->fading[port] * fade(coupled, ahead);
-    return (struct told_film){slope, -2.0 * soft * v * v * v, lam, dea_zone_resistance(device, k, lam, NULL)};
-}
-
-/* All numbers of one time at once; a circuit asks for each of them in each Newton iteration. */
-static void tell_all(struct coupled *coupled, double t) {
-    double ahead = fmax(t - coupled->outlook.start, 0.0);
-    coupled->told_at = t;
-    coupled->position = dea_outlook_position(&coupled->outlook, coupled->outlook.start + ahead) +
-                        coupled->fading_position * fade(coupled, ahead);
-    for (int p = 0; p < coupled->port_count; p++)
-        coupled->told[p] = tell_film(coupled, p, t, foresee_charge(coupled, p, t));
-}
-
-double coupled_tell(struct coupled *coupled, int port, enum dea_external which, double t) {
-    if (t != coupled->told_at)
-        tell_all(coupled, t);
-    switch (which) {
-    case DEA_EXTERNAL_CAPACITANCE:
-        return coupled->told[port].c;
-    case DEA_EXTERNAL_OFFSET:
-        return coupled->told[port].q0;
-    case DEA_EXTERNAL_RESISTANCE:
-        return coupled->told[port].resistance;
-    case DEA_EXTERNAL_STRETCH:
-        return coupled->told[port].stretch;
-    default:
-        return coupled->position;
-    }
 }
 
 /* ---- start ---- */
@@ -137,8 +53,7 @@ static enum dea_status turn_load(struct coupled *coupled, double t, struct dea_e
 }
 
 double coupled_charge(const struct coupled *coupled, int port) {
-    const struct window *window = &coupled->windows[port];
-    return window->points[window->count - 1].q;
+    return coupled_last_point(coupled, port)->q;
 }
 
 double coupled_next_corner(const struct coupled *coupled) {
@@ -159,12 +74,13 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     if (coupled->load != NULL)
         DEA_TRY(turn_load(coupled, 0.0, error));
     DEA_TRY(look_ahead(coupled, 1e-6, error));
-    coupled->film_work = coupled->resistive = coupled->leakage = 0.0;
+    coupled->books = coupled->books_at_exchange = (struct port_books){0};
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
-        if (window_begin(&coupled->windows[p], 0.0, coupled->outlook.charge[k]) != DEA_OK)
+        struct window_point first = {
+            .q = coupled->outlook.charge[k], .film_voltage = film_voltages[p], .port_voltage = film_voltages[p]};
+        if (window_begin(&coupled->windows[p], &first) != DEA_OK)
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
-        coupled->taken[p][1] = (struct port_point){film_voltages[p], film_voltages[p], 0.0};
         coupled->fading[p] = 0.0;
         coupled->largest_charge[p] = fabs(coupled->outlook.charge[k]);
     }
@@ -173,28 +89,20 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     return DEA_OK;
 }
 
+void coupled_short(struct coupled *coupled, unsigned zones) {
+    for (int p = 0; p < coupled->port_count; p++)
+        if (zones & 1u << coupled->zones[p] && coupled->shorted[p] == 0.0) {
+            struct window_point *last = coupled_last_point(coupled, p);
+            coupled->shorted[p] = 1.0 / SHORT_RESISTANCE;
+            last->leak += coupled->shorted[p] * last->film_voltage;
+        }
+}
+
 /* ---- circuit points ---- */
-
-/* What a charge over its voltage makes a tangent: far from where it was taken, near no voltage, that means nothing. */
-static double quotient(const struct told_film *film, double v) {
-    if (film->q0 == 0.0)
-        return film->c;
-    return fabs(film->q0) < 2.0 / 3.0 * film->c * fabs(v) ? film->c + film->q0 / v : film->c / 3.0;
-}
-
-/* Film voltage that holds charge q at time t under what was told; *capacitance (may be NULL) is their quotient. */
-static double film_voltage(const struct coupled *coupled, int port, double t, double q, double *capacitance) {
-    struct told_film film = tell_film(coupled, port, t, q);
-    double v = (q - film.q0) / film.c;
-    if (capacitance != NULL)
-        *capacitance = quotient(&film, v);
-    return v;
-}
 
 /* Rows between two circuit points: charge from the Hermite cubic, the rest from it. */
 static enum dea_status sample_port(struct coupled *coupled, int index, int port, const struct window_point *a,
                                    const struct window_point *b, struct observer *observer, struct dea_error *error) {
-    const struct port_point *before = &coupled->taken[port][0], *after = &coupled->taken[port][1];
     double interval = observer_sample_interval(observer);
     long sample = (long)fmax(floor(a->t / interval), (double)observer_next_sample(observer) - 1.0);
     for (; (double)sample * interval <= b->t; sample++) {
@@ -203,11 +111,10 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
             continue;
         struct port_values values;
         values.charge = window_value(a, b, t, &rate);
-        values.voltage = film_voltage(coupled, port, t, values.charge, NULL);
-        double drop = (1.0 - part) * (before->port_voltage - before->film_voltage) +
-                      part * (after->port_voltage - after->film_voltage);
+        values.voltage = coupled_film_voltage(coupled, port, t, values.charge, NULL);
+        double drop = (1.0 - part) * (a->port_voltage - a->film_voltage) + part * (b->port_voltage - b->film_voltage);
         values.port_voltage = values.voltage + drop;
-        values.current = rate + (1.0 - part) * before->leak + part * after->leak;
+        values.current = rate + (1.0 - part) * a->leak + part * b->leak;
         DEA_TRY(observer_sample_port(observer, index, coupled->zones[port], sample, &values, error));
     }
     return DEA_OK;
@@ -216,30 +123,65 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
 /* Work on the film over one circuit step. With V = Q/C, int V dQ = [Q V / 2] + (1/2) int V^2 dC: the bracket is exact
  * and C changes slowly, however fast the charge rings. Losses in R_e and leakage by trapezoids. */
 static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b) {
-    const struct port_point *before = &coupled->taken[port][0], *after = &coupled->taken[port][1];
     double h = b->t - a->t, middle = 0.5 * (a->t + b->t);
-    double c0, c1, v0 = film_voltage(coupled, port, a->t, a->q, &c0);
-    double v = film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), NULL);
-    double v1 = film_voltage(coupled, port, b->t, b->q, &c1);
-    coupled->film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
-    double lost_before = (before->port_voltage - before->film_voltage) * (a->after + before->leak);
-    double lost_after = (after->port_voltage - after->film_voltage) * (b->before + after->leak);
-    coupled->resistive += 0.5 * h * (lost_before + lost_after);
-    coupled->leakage += 0.5 * h * (before->film_voltage * before->leak + after->film_voltage * after->leak);
+    double c0, c1, v0 = coupled_film_voltage(coupled, port, a->t, a->q, &c0);
+    double v = coupled_film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), NULL);
+    double v1 = coupled_film_voltage(coupled, port, b->t, b->q, &c1);
+    coupled->books.film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
+    coupled->books.resistive += 0.5 * h *
+                                ((a->port_voltage - a->film_voltage) * (a->after + a->leak) +
+                                 (b->port_voltage - b->film_voltage) * (b->before + b->leak));
+    coupled->books.leakage += 0.5 * h * (a->film_voltage * a->leak + b->film_voltage * b->leak);
 }
 
-/* Rates, work, rows and extremes of the interval that ends at points[n]. */
+static void note_point(const struct coupled *coupled, int index, int port, const struct window_point *point,
+                       struct observer *observer) {
+    struct port_values values = {point->film_voltage, point->port_voltage, point->q, point->before + point->leak};
+    observer_note_port(observer, index, coupled->zones[port], point->t, point->stretch, &values);
+}
+
+/* Extremes of the circuit's points, up to where the plant has come. */
+static void note_points(const struct coupled *coupled, int index, struct observer *observer) {
+    for (int p = 0; p < coupled->port_count; p++) {
+        const struct window *window = &coupled->windows[p];
+        for (size_t n = window->first + 1; n < window->count; n++)
+            if (window->points[n].t <= dea_plant_time(coupled->plant))
+                note_point(coupled, index, p, &window->points[n], observer);
+    }
+}
+
+/* The run stops where the plant is, at t, between points that have been booked already. */
+static void book_until(struct coupled *coupled, int index, double t, struct observer *observer) {
+    coupled->books = coupled->books_at_exchange;
+    for (int p = 0; p < coupled->port_count; p++) {
+        const struct window *window = &coupled->windows[p];
+        for (size_t n = window->first; n + 1 < window->count && window->points[n].t < t; n++) {
+            const struct window_point *a = &window->points[n], *b = a + 1;
+            struct window_point end = *b;
+            if (end.t > t) {
+                double part = (t - a->t) / (b->t - a->t);
+                end.t = t;
+                end.q = window_value(a, b, t, &end.before);
+                end.film_voltage += (1.0 - part) * (a->film_voltage - b->film_voltage);
+                end.port_voltage += (1.0 - part) * (a->port_voltage - b->port_voltage);
+                end.leak += (1.0 - part) * (a->leak - b->leak);
+                end.stretch += (1.0 - part) * (a->stretch - b->stretch);
+                note_point(coupled, index, p, &end, observer);
+            }
+            book_work(coupled, p, a, &end);
+        }
+    }
+}
+
+/* Rates, work and rows of the interval that ends at points[n]. */
 static enum dea_status settle_interval(struct coupled *coupled, int index, size_t n, struct observer *observer,
                                        struct dea_error *error) {
     coupled->pending = false;
     for (int p = 0; p < coupled->port_count; p++) {
         window_find_rates(&coupled->windows[p], n - 1);
         const struct window_point *a = &coupled->windows[p].points[n - 1], *b = a + 1;
-        const struct port_point *after = &coupled->taken[p][1];
         book_work(coupled, p, a, b);
         DEA_TRY(sample_port(coupled, index, p, a, b, observer, error));
-        struct port_values values = {after->film_voltage, after->port_voltage, b->q, b->before + after->leak};
-        observer_note_port(observer, index, coupled->zones[p], b->t, coupled->told[p].stretch, &values);
     }
     return DEA_OK;
 }
@@ -249,7 +191,7 @@ static void note_drift(struct coupled *coupled, double from, double to) {
     const struct dea_outlook *outlook = &coupled->outlook;
     double charges[DEA_ZONES] = {0.0, 0.0}, h = to - from, before = coupled->defect;
     for (int p = 0; p < coupled->port_count; p++)
-        charges[coupled->zones[p]] = coupled->windows[p].points[coupled->windows[p].count - 1].q;
+        charges[coupled->zones[p]] = coupled_last_point(coupled, p)->q;
     if (dea_plant_imagine_defect(coupled->plant, outlook, to, charges, &coupled->defect) != DEA_OK) {
         coupled->drift = INFINITY;
         return;
@@ -267,25 +209,45 @@ static void note_drift(struct coupled *coupled, double from, double to) {
             fmax(coupled->drift, 2.0 * fabs(coupled->strayed) / coupled->device->zones[coupled->zones[p]].length);
 }
 
+/* Whether a sound film is beyond breakdown: the plant must look when. */
+static bool breaks_down(const struct coupled *coupled, int port) {
+    const struct dea_device *device = coupled->device;
+    double lam = coupled->told[port].stretch, thickness = device->thickness * device->prestretch[0] / lam;
+    return coupled->shorted[port] == 0.0 &&
+           fabs(dea_zone_field(device, coupled_last_point(coupled, port)->film_voltage, lam)) >=
+               dea_breakdown_field(&device->material.dielectric, thickness, lam, device->prestretch[1]);
+}
+
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error) {
     size_t last = coupled->windows[0].count - 1;
-    for (int p = 0; p < coupled->port_count; p++)
-        if (to > from && window_add(&coupled->windows[p], to, ports[p].charge) != DEA_OK)
+    for (int p = 0; p < coupled->port_count; p++) {
+        struct window_point point = {.t = to,
+                                     .q = ports[p].charge,
+                                     .film_voltage = ports[p].film_voltage,
+                                     .port_voltage = ports[p].port_voltage};
+        if (to <= from)
+            coupled->windows[p].count--; /* the very first point */
+        if (window_add(&coupled->windows[p], &point) != DEA_OK)
             return dea_fail(error, DEA_ERR_MEMORY, "t = %.9g s: out of memory for the circuit's points", to);
+    }
     if (coupled->pending)
         DEA_TRY(settle_interval(coupled, index, last, observer, error));
+    coupled_tell_all(coupled, to);
     for (int p = 0; p < coupled->port_count; p++) {
-        double v = ports[p].film_voltage;
-        tell_all(coupled, to);
-        coupled->taken[p][0] = coupled->taken[p][1];
-        coupled->taken[p][1] = (struct port_point){
-            v, ports[p].port_voltage,
-            dea_zone_leakage(coupled->device, coupled->zones[p], coupled->told[p].stretch, v, NULL, NULL)};
+        struct window_point *point = coupled_last_point(coupled, p);
+        double v = point->film_voltage, lam = point->stretch = coupled->told[p].stretch;
+        point->leak =
+            dea_zone_leakage(coupled->device, coupled->zones[p], lam, v, NULL, NULL) + coupled->shorted[p] * v;
         coupled->largest_charge[p] = fmax(coupled->largest_charge[p], fabs(ports[p].charge));
+        if (to <= from)
+            note_point(coupled, index, p, point, observer);
     }
     if (to > from)
         note_drift(coupled, from, to);
+    for (int p = 0; coupled->watched && p < coupled->port_count; p++)
+        if (breaks_down(coupled, p))
+            coupled->drift = INFINITY;
     coupled->pending = to > from;
     return DEA_OK;
 }
@@ -294,10 +256,9 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
 
 /* What the circuit takes a capacitance to be at the last point. */
 static double told_capacitance(struct coupled *coupled, int port) {
-    const struct window *window = &coupled->windows[port];
-    const struct window_point *point = &window->points[window->count - 1];
+    const struct window_point *point = coupled_last_point(coupled, port);
     double capacitance;
-    film_voltage(coupled, port, point->t, point->q, &capacitance);
+    coupled_film_voltage(coupled, port, point->t, point->q, &capacitance);
     return capacitance;
 }
 
@@ -332,10 +293,9 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
             continue;
         int zone;
         enum dea_policy policy = observer_roots(observer, index, step.to, &zone);
-        if (policy > exchange->policy) {
+        coupled_short(coupled, observer_short_zones(observer));
+        if (policy > exchange->policy)
             exchange->policy = policy;
-            exchange->zone = zone;
-        }
         if (policy == DEA_POLICY_STOP)
             return DEA_OK;
     }
@@ -344,17 +304,20 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
 
 enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_tolerance, struct observer *observer,
                                 struct exchange *exchange, struct dea_error *error) {
-    *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE, .zone = -1};
+    *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE};
     size_t last = coupled->windows[0].count - 1;
     double end = coupled->windows[0].points[last].t, foreseen[DEA_ZONES];
     if (coupled->pending)
         DEA_TRY(settle_interval(coupled, index, last, observer, error));
-    tell_all(coupled, end);
+    coupled_tell_all(coupled, end);
     for (int p = 0; p < coupled->port_count; p++)
         coupled->last_told[p] = told_capacitance(coupled, p);
+    double fading[DEA_ZONES]; /* the outlook's own promise is without it */
+    memcpy(fading, coupled->fading, sizeof fading);
     memset(coupled->fading, 0, sizeof coupled->fading);
     for (int p = 0; p < coupled->port_count; p++)
         foreseen[p] = told_capacitance(coupled, p);
+    memcpy(coupled->fading, fading, sizeof fading);
     for (size_t first = coupled->windows[0].first; first < last && exchange->policy != DEA_POLICY_STOP;) {
         struct dea_charge_piece pieces[DEA_ZONES];
         size_t next = fit_pieces(coupled, first, fit_tolerance, pieces);
@@ -365,6 +328,9 @@ enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_t
         DEA_TRY(follow_piece(coupled, index, coupled->windows[0].points[next].t, observer, exchange, error));
         first = next;
     }
+    note_points(coupled, index, observer);
+    if (exchange->policy == DEA_POLICY_STOP)
+        book_until(coupled, index, dea_plant_time(coupled->plant), observer);
     DEA_TRY(look_ahead(coupled, coupled->horizon, error));
     for (int p = 0; p < coupled->port_count; p++) {
         double actual = coupled->outlook.capacitance[coupled->zones[p]];
@@ -381,12 +347,14 @@ enum dea_status coupled_renew(struct coupled *coupled, double horizon, struct de
         window_restart(window);
     }
     double told_position = coupled->position;
+    memset(coupled->fading, 0, sizeof coupled->fading);
     for (int p = 0; p < coupled->port_count; p++) { /* the circuit's voltages stay what they are */
         double q = coupled->outlook.charge[coupled->zones[p]], v = q / coupled->last_told[p];
-        struct told_film film = tell_film(coupled, p, coupled->outlook.start, q);
-        coupled->fading[p] = coupled->last_told[p] - quotient(&film, v);
+        struct told_film film = coupled_tell_film(coupled, p, coupled->outlook.start, q);
+        coupled->fading[p] = coupled->last_told[p] - coupled_quotient(&film, v);
     }
     coupled->fading_position = told_position - coupled->outlook.x[0];
+    coupled->books_at_exchange = coupled->books;
     coupled->told_at = NAN;
     return DEA_OK;
 }

@@ -7,10 +7,9 @@
 #include "cosim/observer.h"
 #include "cosim/window.h"
 
-/* What the circuit says of a port at one of its points. */
-struct port_point {
-    double film_voltage, port_voltage; /* V */
-    double leak;                       /* A */
+/* The circuit's side of the energy balance, J. */
+struct port_books {
+    double film_work, resistive, leakage;
 };
 
 /* What the circuit is told of a film: Q = c V + q0 and what goes with it. */
@@ -38,11 +37,11 @@ struct coupled {
     /* what the last outlook missed, faded out over the horizon: no jump excites the circuit */
     double fading[DEA_ZONES], fading_position; /* F, m, at the start of the outlook */
     double last_told[DEA_ZONES];               /* F, at the end of the last outlook */
-    /* the circuit's side of the energy balance, J */
-    double film_work, resistive, leakage;
-    struct port_point taken[DEA_ZONES][2]; /* at the last two circuit points */
-    double largest_charge[DEA_ZONES];      /* C, so far */
-    bool pending;                          /* the interval between them has not been booked yet */
+    struct port_books books, books_at_exchange;
+    bool pending;                     /* the interval to the last point has not been booked yet */
+    double shorted[DEA_ZONES];        /* conductance of a punctured film, S, per port */
+    bool watched;                     /* for breakdown: it ends an outlook at once */
+    double largest_charge[DEA_ZONES]; /* C, so far */
 };
 
 /* Electroded zones in the order of their pins; returns how many. */
@@ -53,6 +52,7 @@ struct coupled_demand {
     double accuracy; /* relative */
     double duration; /* s */
     double peak;     /* largest voltage at a port, V */
+    bool breakdown;  /* breakdown has consequences */
 };
 
 /* Creates the plant with one charge port per electroded zone. */
@@ -79,12 +79,15 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
 enum dea_status coupled_take(struct coupled *coupled, int index, double from, double to,
                              const struct dea_port_sample *ports, struct observer *observer, struct dea_error *error);
 
-/* Moves the plant to the last taken point. `mismatch` is the largest relative difference between the capacitance
- * foreseen and the one the plant has, `policy` the strongest wish of events met. */
+/* Shorts films (bit 1 << zone) from the circuit's next step on. */
+void coupled_short(struct coupled *coupled, unsigned zones);
+
+/* Moves the plant to the last taken point, or to an event that stops the run. `mismatch` is the largest relative
+ * difference between the capacitance foreseen and the one the plant has, `policy` the strongest wish of events met.
+ * Films that are to be shorted are so for the circuit's next step. */
 struct exchange {
     double mismatch;
     enum dea_policy policy;
-    int zone;
 };
 enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_tolerance, struct observer *observer,
                                 struct exchange *exchange, struct dea_error *error);

@@ -7,9 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A punctured film conducts like a carbonised channel; only that it is small against any drive resistance matters. */
-#define SHORT_RESISTANCE 1e3 /* Ohm */
-
 /* Of the run's length: the two steps after a corner that find the rates of a circuit's unknowns. Far below any time
  * constant that matters, far above the rounding of time. */
 #define SETTLE_RATIO 1e-10

@@ -8,6 +8,9 @@
 
 struct observer;
 
+/* A punctured film conducts like a carbonised channel; only that it is small against any drive resistance matters. */
+#define SHORT_RESISTANCE 1e3 /* Ohm */
+
 /* Where rows go: a recorder, or the pipe to the process that has one. */
 struct row_sink {
     void *context;

@@ -7,7 +7,7 @@
 /* Second differences this much apart belong to a corner, not to a smooth curve. */
 #define CORNER_RATIO 10.0
 
-enum dea_status window_add(struct window *window, double t, double q) {
+enum dea_status window_add(struct window *window, const struct window_point *point) {
     if (window->count == window->capacity) {
         size_t capacity = window->capacity > 0 ? 2 * window->capacity : 64;
         struct window_point *points = realloc(window->points, capacity * sizeof *points);
@@ -16,13 +16,13 @@ enum dea_status window_add(struct window *window, double t, double q) {
         window->points = points;
         window->capacity = capacity;
     }
-    window->points[window->count++] = (struct window_point){.t = t, .q = q};
+    window->points[window->count++] = *point;
     return DEA_OK;
 }
 
-enum dea_status window_begin(struct window *window, double t, double q) {
+enum dea_status window_begin(struct window *window, const struct window_point *first) {
     window->first = window->count = 0;
-    return window_add(window, t, q);
+    return window_add(window, first);
 }
 
 void window_restart(struct window *window) {

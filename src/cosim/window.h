@@ -11,8 +11,10 @@
  * by trapezoids it rings undamped where a node is stiff. So the rates come from the charges themselves, one for each
  * side of the point, which may be a corner. */
 struct window_point {
-    double t, q;          /* s, C */
-    double before, after; /* A, at the end of the interval before, at the start of the one after */
+    double t, q;                       /* s, C */
+    double before, after;              /* A, at the end of the interval before, at the start of the one after */
+    double film_voltage, port_voltage; /* V */
+    double leak, stretch;              /* A, 1 */
 };
 
 struct window {
@@ -21,8 +23,8 @@ struct window {
 };
 
 /* Empties the window and sets its first point. */
-enum dea_status window_begin(struct window *window, double t, double q);
-enum dea_status window_add(struct window *window, double t, double q);
+enum dea_status window_begin(struct window *window, const struct window_point *first);
+enum dea_status window_add(struct window *window, const struct window_point *point);
 /* The last point becomes the first of the next window; the one before it is kept for rates. */
 void window_restart(struct window *window);
 void window_clear(struct window *window);

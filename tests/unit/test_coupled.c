@@ -3,8 +3,6 @@
 #include "coupled_capture.h"
 #include "coupled_cases.h"
 
-#include "cosim/coupled.h"
-
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -177,6 +175,87 @@ static void test_start_from_initial_conditions(void **state) {
     dea_scene_clear(&scene);
 }
 
+/* ---- events ---- */
+
+#define BEHIND_1M "t\nVs s 0 PWL(0 0 1m 3300)\nRs s left 1meg\nRr right 0 1k\nXdea left 0 right 0 pos DEA\n.end\n"
+#define DAMPED "device: {" ELASTIC ", platform: {damping: 0.2 N s/m}}"
+
+static void run_events(const char *netlist, double stop, const char *events, enum dea_engine_choice engine,
+                       struct coupled_rows *rows) {
+    struct dea_scene scene;
+    FILE *file = fopen("events.cir", "w");
+    assert_non_null(file);
+    fputs(netlist, file);
+    assert_int_equal(fclose(file), 0);
+    make_scene(DAMPED, "events.cir", stop, events, &scene);
+    run_scene(&scene, engine, 1e-5, 200, rows);
+    dea_scene_clear(&scene);
+}
+
+static const struct dea_signal_stats *find_stats(const struct coupled_rows *rows, const char *name) {
+    int column = find_signal(rows, name);
+    assert_true(column >= 0);
+    return &rows->result.stats[column];
+}
+
+/* The run ends when the field is reached, with the books closed and extremes cut there. */
+static void test_breakdown_stops(void **state) {
+    (void)state;
+    struct coupled_rows rows, linear;
+    run_events(BEHIND_1M, 0.1, "events: {breakdown: stop}", DEA_ENGINE_NGSPICE, &rows);
+    run_events(BEHIND_1M, 0.1, "events: {breakdown: stop}", DEA_ENGINE_AUTO, &linear);
+    assert_string_equal(linear.result.stats_run.mode, "linear");
+    assert_int_equal(rows.status, DEA_STOPPED);
+    assert_int_equal(rows.result.event_count, 1);
+    assert_int_equal(rows.result.events[0].kind, DEA_EVENT_BREAKDOWN);
+    assert_int_equal(rows.result.events[0].zone, 0);
+    assert_true(rows.result.t_end == rows.result.events[0].time);
+    assert_true(fabs(rows.result.t_end - linear.result.t_end) < 1e-5 * linear.result.t_end);
+    assert_true(rows.times[rows.count - 1] == rows.result.t_end);
+    assert_true(fabs(find_stats(&rows, "left.true_field")->max - 100e6) < 1e-5 * 100e6);
+    assert_true(rows.result.energy.imbalance < 1e-5);
+    assert_true(rows.result.coupling_error < 1e-5);
+    free_rows(&rows);
+    free_rows(&linear);
+}
+
+/* A punctured film is 1 kOhm from then on; the platform goes home. Compare tests/cases/breakdown_short.yaml. */
+static void test_breakdown_shorts(void **state) {
+    (void)state;
+    struct coupled_rows rows;
+    run_events(BEHIND_1M, 0.1, "events: {breakdown: short}", DEA_ENGINE_NGSPICE, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    double divided = 3300.0 * 1e3 / (1e6 + 1e3);
+    assert_true(fabs(last_value(&rows, "left.voltage") - divided) < 1e-4 * divided);
+    assert_true(fabs(last_value(&rows, "left.current") - divided / 1e3) < 1e-4 * divided / 1e3);
+    assert_true(fabs(last_value(&rows, "x")) < 5e-9);
+    double field = find_stats(&rows, "left.true_field")->max; /* the short comes one circuit step late */
+    assert_true(field > 99.99e6 && field < 100.1e6);
+    assert_true(rows.result.energy.imbalance < 1e-5);
+    assert_true(rows.result.coupling_error < 1e-5);
+    free_rows(&rows);
+}
+
+/* What holds at the start is told at the start. */
+static void test_breakdown_at_the_start(void **state) {
+    (void)state;
+    static const char biased[] = "t\nVs s 0 3600\nRs s left 1meg\nRr right 0 1k\nXdea left 0 right 0 pos DEA\n.end\n";
+    struct coupled_rows rows;
+    run_events(biased, 0.01, "events: {breakdown: stop}", DEA_ENGINE_NGSPICE, &rows);
+    assert_int_equal(rows.status, DEA_STOPPED);
+    assert_true(rows.result.t_end == 0.0);
+    free_rows(&rows);
+    run_events(biased, 0.01, "events: {breakdown: short}", DEA_ENGINE_NGSPICE, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    assert_true(fabs(last_value(&rows, "left.voltage") - 3600.0 * 1e3 / (1e6 + 1e3)) < 1e-3);
+    free_rows(&rows);
+    run_events(biased, 0.01, "events: {breakdown: warn}", DEA_ENGINE_NGSPICE, &rows);
+    assert_int_equal(rows.status, DEA_OK);
+    assert_int_equal(rows.result.event_count, 1);
+    assert_true(rows.result.events[0].time == 0.0);
+    free_rows(&rows);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_every_kind, enter, leave),
@@ -185,6 +264,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_two_devices, enter, leave),
         cmocka_unit_test_setup_teardown(test_rest_under_bias, enter, leave),
         cmocka_unit_test_setup_teardown(test_start_from_initial_conditions, enter, leave),
+        cmocka_unit_test_setup_teardown(test_breakdown_stops, enter, leave),
+        cmocka_unit_test_setup_teardown(test_breakdown_shorts, enter, leave),
+        cmocka_unit_test_setup_teardown(test_breakdown_at_the_start, enter, leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

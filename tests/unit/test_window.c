@@ -9,6 +9,14 @@
 
 #include <cmocka.h>
 
+static enum dea_status add(struct window *window, double t, double q) {
+    return window_add(window, &(struct window_point){.t = t, .q = q});
+}
+
+static enum dea_status begin(struct window *window, double t, double q) {
+    return window_begin(window, &(struct window_point){.t = t, .q = q});
+}
+
 static double wave(double t, double *rate) {
     if (rate != NULL)
         *rate = 2.0 * M_PI * 3.0 * cos(2.0 * M_PI * 3.0 * t);
@@ -19,10 +27,10 @@ static double wave(double t, double *rate) {
 static double interpolate_wave(int count) {
     struct window window = {0};
     double t = 0.0, worst = 0.0;
-    assert_int_equal(window_begin(&window, 0.0, wave(0.0, NULL)), DEA_OK);
+    assert_int_equal(begin(&window, 0.0, wave(0.0, NULL)), DEA_OK);
     for (int i = 1; i <= count; i++) {
         t = ((double)i + 0.25 * sin(1.7 * i)) / (double)count;
-        assert_int_equal(window_add(&window, t, wave(t, NULL)), DEA_OK);
+        assert_int_equal(add(&window, t, wave(t, NULL)), DEA_OK);
     }
     for (size_t n = 0; n + 1 < window.count; n++)
         window_find_rates(&window, n);
@@ -58,9 +66,9 @@ static void test_corner_is_not_smeared(void **state) {
     (void)state;
     struct window window = {0};
     const double t[] = {0.0, 1.0, 2.0, 2.001, 2.003, 2.007};
-    assert_int_equal(window_begin(&window, 0.0, 5.0), DEA_OK);
+    assert_int_equal(begin(&window, 0.0, 5.0), DEA_OK);
     for (size_t i = 1; i < sizeof t / sizeof t[0]; i++)
-        assert_int_equal(window_add(&window, t[i], 5.0 + 1e3 * fmax(t[i] - 2.0, 0.0)), DEA_OK);
+        assert_int_equal(add(&window, t[i], 5.0 + 1e3 * fmax(t[i] - 2.0, 0.0)), DEA_OK);
     for (size_t n = 0; n + 1 < window.count; n++)
         window_find_rates(&window, n);
     for (size_t n = 0; n + 1 < window.count; n++)
@@ -79,16 +87,16 @@ static void test_corner_is_not_smeared(void **state) {
 static void test_restart_keeps_a_neighbour(void **state) {
     (void)state;
     struct window window = {0};
-    assert_int_equal(window_begin(&window, 0.0, 0.0), DEA_OK);
-    assert_int_equal(window_add(&window, 0.1, 0.01), DEA_OK);
-    assert_int_equal(window_add(&window, 0.2, 0.04), DEA_OK);
+    assert_int_equal(begin(&window, 0.0, 0.0), DEA_OK);
+    assert_int_equal(add(&window, 0.1, 0.01), DEA_OK);
+    assert_int_equal(add(&window, 0.2, 0.04), DEA_OK);
     window_find_rates(&window, 1);
     assert_true(fabs(window.points[2].before - 0.4) < 1e-14); /* t^2 is met exactly */
     window_restart(&window);
     assert_int_equal(window.count, 2);
     assert_int_equal(window.first, 1);
     assert_true(window.points[1].t == 0.2 && window.points[0].t == 0.1);
-    assert_int_equal(window_add(&window, 0.25, 0.0625), DEA_OK);
+    assert_int_equal(add(&window, 0.25, 0.0625), DEA_OK);
     window_find_rates(&window, 1);
     assert_true(fabs(window.points[1].after - 0.4) < 1e-14);
     assert_true(fabs(window.points[2].before - 0.5) < 1e-14);
@@ -99,7 +107,7 @@ static void test_restart_keeps_a_neighbour(void **state) {
 static void fill_ripple(struct window *window, int count) {
     for (int i = 0; i <= count; i++) {
         double t = (double)i / count, q = 1.0 + 0.1 * t + 0.001 * sin(2.0 * M_PI * 50.0 * t);
-        assert_int_equal(i == 0 ? window_begin(window, t, q) : window_add(window, t, q), DEA_OK);
+        assert_int_equal(i == 0 ? begin(window, t, q) : add(window, t, q), DEA_OK);
     }
     for (size_t n = 0; n + 1 < window->count; n++)
         window_find_rates(window, n);
