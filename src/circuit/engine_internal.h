@@ -22,13 +22,14 @@ struct dea_step_record {
 struct dea_complaints {
     char *texts[DEA_COMPLAINTS_MAX]; /* owned */
     int count;
-    int place;           /* index into netlist lines, -1: not known */
-    int expect_detail;   /* lines to come that belong to the error before */
-    bool exit_requested; /* ControlledExit: ngspice is unusable from now on */
-    bool aborted;        /* the transient ended early */
-    bool measuring;      /* between "Measurements for ..." and the end of the run */
-    char worst[128];     /* unknown ngspice names as the trouble */
-    char singular[128];  /* node of the last singular matrix */
+    int place;            /* index into netlist lines, -1: not known */
+    int expect_detail;    /* lines to come that belong to the error before */
+    bool exit_requested;  /* ControlledExit: ngspice is unusable from now on */
+    bool aborted;         /* the transient ended early */
+    bool measuring;       /* between "Measurements for ..." and the end of the run */
+    char worst[128];      /* unknown ngspice names as the trouble */
+    char singular[128];   /* node of the last singular matrix */
+    char last_words[160]; /* last line that was no error, for a failure nothing else explains */
 };
 
 /* One EXTERNAL source. */

@@ -43,6 +43,22 @@ static int find_quoted_line(const struct dea_engine *engine, const char *text) {
     return -1;
 }
 
+/* The call a message means with "(instance: xname)", where ngspice puts an x in front of the name; -1 when there is
+ * none. */
+static int find_called_line(const struct dea_engine *engine, const char *text) {
+    const char *name = strstr(text, "(instance: x");
+    if (name == NULL)
+        return -1;
+    name += strlen("(instance: x");
+    size_t length = strcspn(name, ")");
+    for (int i = 1; i < engine->netlist->line_count; i++) {
+        const char *line = engine->netlist->lines[i].text;
+        if (strncasecmp(line, name, length) == 0 && (line[length] == '\0' || isspace((unsigned char)line[length])))
+            return i;
+    }
+    return -1;
+}
+
 /* The netlist line of a deck line number in the message, -1 when there is none. */
 static int find_numbered_line(const struct dea_engine *engine, const char *text) {
     static const char *const leads[] = {"ine no. ", "n line "};
@@ -76,8 +92,13 @@ static void keep_complaint(struct dea_engine *engine, const char *text) {
     int place = find_numbered_line(engine, text);
     if (place < 0)
         place = find_quoted_line(engine, text);
+    if (place < 0)
+        place = find_called_line(engine, text);
     if (complaints->place < 0)
         complaints->place = place;
+    for (int i = 0; i < complaints->count; i++)
+        if (strcmp(complaints->texts[i], text) == 0)
+            return;
     tell(engine, DEA_MESSAGE_ERROR, place, text);
     if (complaints->count < DEA_COMPLAINTS_MAX && (complaints->texts[complaints->count] = strdup(text)) != NULL)
         complaints->count++;
@@ -114,7 +135,10 @@ static bool is_error(const char *text) {
                                          "PTerror",
                                          "MIF-ERROR",
                                          "warning, can't find model",
-                                         "Check line"};
+                                         "Check line",
+                                         "Closing \"",
+                                         "Too few parameters",
+                                         "Too many parameters"};
     for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
         if (begins(text, starts[i]))
             return true;
@@ -233,6 +257,7 @@ void dea_engine_hear(struct dea_engine *engine, const char *line) {
         hear_error(engine, text);
         return;
     }
+    snprintf(complaints->last_words, sizeof complaints->last_words, "%s", text);
     tell(engine, warning ? DEA_MESSAGE_WARNING : DEA_MESSAGE_NOTE, -1, text);
 }
 
@@ -259,6 +284,8 @@ enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_st
         used += (size_t)snprintf(text + used, sizeof text - used, "%s", what);
     for (int i = 0; i < complaints->count && used < sizeof text; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i == 0 ? ": " : "; ", complaints->texts[i]);
+    if (complaints->count == 0 && complaints->last_words[0] != '\0' && used < sizeof text)
+        used += (size_t)snprintf(text + used, sizeof text - used, "; ngspice's last words: %s", complaints->last_words);
     if (tail != NULL && used < sizeof text)
         snprintf(text + used, sizeof text - used, "; %s", tail);
     return (dea_fail)(error, status, "%s", text);

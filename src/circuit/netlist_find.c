@@ -47,6 +47,22 @@ static enum dea_status find_tran(struct dea_netlist_job *job, int index, const c
     return DEA_OK;
 }
 
+/* What is measured: an incomplete line would crash ngspice after the run, and its results with it. */
+static enum dea_status check_measured(struct dea_netlist_job *job, int index, const char *name, const char *cursor) {
+    static const char *const kinds[] = {"trig", "when", "find",  "avg",      "max",   "min",        "max_at", "min_at",
+                                        "pp",   "rms",  "integ", "integral", "deriv", "derivative", "param"};
+    char kind[DEA_TOKEN_MAX], what[DEA_TOKEN_MAX];
+    if (dea_netlist_token(&cursor, kind) && dea_netlist_token(&cursor, what))
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+            if (strcmp(kind, kinds[i]) == 0)
+                return DEA_OK;
+    return dea_netlist_fail(
+        job, index,
+        ".measure %s: say what to measure, as in .measure tran v_peak max v(out); known: trig, when, find, "
+        "avg, max, min, max_at, min_at, pp, rms, integ, deriv, param",
+        name);
+}
+
 static enum dea_status find_measure(struct dea_netlist_job *job, int index, const char *cursor) {
     struct dea_netlist *netlist = job->netlist;
     char name[DEA_TOKEN_MAX];
@@ -55,6 +71,9 @@ static enum dea_status find_measure(struct dea_netlist_job *job, int index, cons
     if (!named)
         return dea_netlist_fail(job, index,
                                 ".measure needs an analysis and a name, as in .measure tran v_peak max v(out)");
+    if (name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")] != '\0')
+        return dea_netlist_fail(job, index, ".measure %s: a name is made of letters, digits and _", name);
+    DEA_TRY(check_measured(job, index, name, cursor));
     for (int i = 0; i < netlist->measure_count; i++)
         if (strcmp(netlist->measures[i], name) == 0)
             return dea_netlist_fail(job, index, "a second .measure named %s", name);

@@ -151,14 +151,84 @@ static enum dea_status vet_model(struct dea_netlist_job *job, int index) {
     static const char *const refused[] = {"d_process", "d_cosim"};
     const char *cursor = job->netlist->lines[index].text;
     char token[DEA_TOKEN_MAX];
-    while (dea_netlist_token(&cursor, token))
+    int words = 0;
+    for (; dea_netlist_token(&cursor, token); words++)
         for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
             if (strcmp(token, refused[i]) == 0)
                 return dea_netlist_fail(job, index, "models of type %s are refused: they start programs", token);
+    if (words < 3)
+        return dea_netlist_fail(job, index, ".model needs a name and a type");
     return vet_file_parameters(job, index);
 }
 
 /* ---- lines ---- */
+
+static bool matches(char opening, char closing) {
+    return (opening == '(' && closing == ')') || (opening == '[' && closing == ']') ||
+           (opening == '{' && closing == '}');
+}
+
+/* Brackets that do not match: ngspice would write past the end of its stack or never come back. */
+static enum dea_status check_brackets(struct dea_netlist_job *job, int index) {
+    char open[64], quote = '\0';
+    int depth = 0;
+    for (const char *c = job->netlist->lines[index].text; *c != '\0'; c++) {
+        if (*c == '"' || *c == '\'')
+            quote = quote == '\0' ? *c : quote == *c ? '\0' : quote;
+        if (quote == '"')
+            continue;
+        if (strchr("([{", *c) != NULL) {
+            if (depth == (int)sizeof open)
+                return dea_netlist_fail(job, index, "brackets nested more than %zu deep", sizeof open);
+            open[depth++] = *c;
+        } else if (strchr(")]}", *c) != NULL && (depth == 0 || !matches(open[--depth], *c))) {
+            return dea_netlist_fail(job, index, "'%c' without its opening bracket", *c);
+        }
+    }
+    if (depth > 0)
+        return dea_netlist_fail(job, index, "'%c' is not closed", open[depth - 1]);
+    if (quote != '\0')
+        return dea_netlist_fail(job, index, "a quote (%c) is not closed", quote);
+    return DEA_OK;
+}
+
+/* `.param name=` without a value, or a comma between parameters: ngspice would never come back. */
+static enum dea_status vet_parameters(struct dea_netlist_job *job, int index) {
+    int depth = 0;
+    bool quoted = false;
+    for (const char *c = job->netlist->lines[index].text; *c != '\0'; c++) {
+        depth += (strchr("([{", *c) != NULL) - (strchr(")]}", *c) != NULL);
+        quoted = quoted != (*c == '\'');
+        if (depth > 0 || quoted)
+            continue;
+        if (*c == ',')
+            return dea_netlist_fail(job, index, ".param: separate parameters with blanks, not with ','");
+        if (*c == '=' && c[1 + strspn(c + 1, " \t=")] == '\0')
+            return dea_netlist_fail(job, index, ".param: a value is missing behind '='");
+    }
+    return DEA_OK;
+}
+
+/* par('expression') of a .measure: ngspice corrupts its memory over a lone '=' and over blanks inside v(...). */
+static enum dea_status vet_measure(struct dea_netlist_job *job, int index) {
+    const char *c = job->netlist->lines[index].text;
+    while ((c = strcasestr(c, "par(")) != NULL) {
+        c += strlen("par(");
+        c += strspn(c, " \t");
+        size_t length = *c == '\'' ? strcspn(c + 1, "'") : 0;
+        bool in_probe = false;
+        for (const char *e = c + 1; e <= c + length; e++) {
+            bool lone = *e == '=' && e[1] != '=' && strchr("=<>!", e[-1]) == NULL;
+            in_probe = (in_probe || (*e == '(' && strchr("vViI", e[-1]) != NULL)) && *e != ')';
+            bool blank = in_probe && isspace((unsigned char)*e) && strchr(",() \t", e[1]) == NULL &&
+                         strchr(",( \t", e[-1]) == NULL;
+            if (lone || blank)
+                return dea_netlist_fail(job, index, "par('%.*s'): not an expression",
+                                        (int)(length < 100 ? length : 100), c + 1);
+        }
+    }
+    return DEA_OK;
+}
 
 /* EXTERNAL sources belong to the devices; nobody would answer for the user's. */
 static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
@@ -189,6 +259,10 @@ static enum dea_status vet_card(struct dea_netlist_job *job, int index) {
         return vet_options(job, index);
     if (strcmp(card, ".model") == 0)
         return vet_model(job, index);
+    if (strcmp(card, ".param") == 0)
+        return vet_parameters(job, index);
+    if (line->passed && strncmp(card, ".meas", 5) == 0)
+        DEA_TRY(vet_measure(job, index));
     if (strncmp(card, ".meas", 5) == 0 && dea_netlist_token(&cursor, kind) && strcmp(kind, "tran") != 0) {
         line->passed = false;
         return dea_netlist_warn(job, index, ".measure %s left out: only the transient is run", kind);
@@ -203,6 +277,8 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
         char first = line->text[0];
         if (first == '.') {
             DEA_TRY(vet_card(job, i));
+            if (line->passed)
+                DEA_TRY(check_brackets(job, i));
             continue;
         }
         if (!isalpha((unsigned char)first))
@@ -212,6 +288,7 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
         if (strchr("vViI", first) != NULL)
             DEA_TRY(vet_source(job, i));
         DEA_TRY(vet_file_parameters(job, i));
+        DEA_TRY(check_brackets(job, i));
     }
     return DEA_OK;
 }

@@ -250,6 +250,23 @@ static void test_bad_netlists(void **state) {
         {"t\n.tran 1u 1m 2m\n", "main.cir:2: ", "tstart < tstop"},
         {"t\n.tran 1u 1m 0 1u 5\n", "main.cir:2: ", "a word too many"},
         {"t\n.measure tran a max v(a)\n.measure tran A max v(b)\n", "main.cir:3: ", "a second .measure named a"},
+        {"t\n.measure tran a\n", "main.cir:2: ", ".measure a: say what to measure"},
+        {"t\n.measure tran a max\n", "main.cir:2: ", ".measure a: say what to measure"},
+        {"t\n.measure tran a v(b)\n", "main.cir:2: ", ".measure a: say what to measure"},
+        {"t\n.measure tran $min min v(a)\n", "main.cir:2: ", "$min: a name is made of letters"},
+        /* what crashes ngspice or keeps it for ever */
+        {"t\nB1 a 0 V=min(max(V(b),1),V(c\n", "main.cir:2: ", "'(' is not closed"},
+        {"t\nB1 a 0 V=V(b))\n", "main.cir:2: ", "')' without its opening bracket"},
+        {"t\nB1 a 0 V={V(b)\n", "main.cir:2: ", "'{' is not closed"},
+        {"t\nB1 a 0 V={V(b})\n", "main.cir:2: ", "'}' without its opening bracket"},
+        {"t\n.measure tran a max par('V(b)\n", "main.cir:2: ", "is not closed"},
+        {"t\nR1 a 0 1\"0k\n", "main.cir:2: ", "a quote (\") is not closed"},
+        {"t\nVin ' in 5\n", "main.cir:2: ", "a quote (') is not closed"},
+        {"t\n.param va=50 fp=,1k\n", "main.cir:2: ", "separate parameters with blanks"},
+        {"t\n.param va=\n", "main.cir:2: ", "a value is missing behind '='"},
+        {"t\n.model d\n", "main.cir:2: ", ".model needs a name and a type"},
+        {"t\n.measure tran x max par('V(p)-=V(q)')\n", "main.cir:2: ", "par('V(p)-=V(q)'): not an expression"},
+        {"t\n.measure tran x max par('V(p q)')\n", "main.cir:2: ", "par('V(p q)'): not an expression"},
         {"t\n.measure tran\n", "main.cir:2: ", ".measure needs an analysis and a name"},
     };
     write_file("../outside.inc", "R9 a 0 1\n", 9);
