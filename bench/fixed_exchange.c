@@ -63,12 +63,21 @@ static enum dea_status hold_capacitances(struct run *run, double horizon) {
     return DEA_OK;
 }
 
+static enum dea_status rest_device(struct run *run, const double voltages[DEA_ZONES], struct dea_error *error) {
+    DEA_TRY(dea_plant_rest_charges(run->plant, voltages, DEA_START_EQUILIBRIUM, NULL, &run->inputs, error));
+    DEA_TRY(dea_plant_start(run->plant, 0.0, &run->inputs, DEA_START_EQUILIBRIUM, NULL, NULL, error));
+    return hold_capacitances(run, run->interval);
+}
+
 static enum dea_status take_point(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct run *run = context;
-    if (point->time <= 0.0) {
-        for (int p = 0; p < run->port_count; p++)
-            if (fabs(point->ports[p].film_voltage) > 1e-3)
-                return dea_fail(error, DEA_ERR_INPUT, "fixed_exchange starts at 0 V only");
+    if (point->time <= 0.0) { /* the device rests at what the circuit found with its resting capacitance */
+        double voltages[DEA_ZONES] = {0.0, 0.0};
+        for (int p = 0; p < run->port_count; p++) {
+            voltages[run->zones[p]] = point->ports[p].film_voltage;
+            run->last_charge[p] = point->ports[p].charge;
+        }
+        DEA_TRY(rest_device(run, voltages, error));
         write_row(run, point);
         return DEA_OK;
     }
@@ -99,9 +108,7 @@ static enum dea_status create_plant(struct run *run, struct dea_error *error) {
         options.ports[run->zones[p]] = (struct dea_plant_port){.kind = DEA_PORT_CHARGE, .peak = 3000.0};
     run->inputs.load = (struct dea_piece){.kind = DEA_PIECE_LINE, .end = INFINITY};
     DEA_TRY(dea_plant_create(run->device, &options, &run->plant, error));
-    DEA_TRY(dea_plant_rest_charges(run->plant, none, DEA_START_EQUILIBRIUM, NULL, &run->inputs, error));
-    DEA_TRY(dea_plant_start(run->plant, 0.0, &run->inputs, DEA_START_EQUILIBRIUM, NULL, NULL, error));
-    return hold_capacitances(run, run->interval);
+    return rest_device(run, none, error);
 }
 
 static enum dea_status run_circuit(struct run *run, const struct dea_scene *scene, struct dea_error *error) {

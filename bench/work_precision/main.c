@@ -48,6 +48,8 @@ static bool measure_scene(struct bench *bench) {
         if (entry->linear)
             deasim_curve(bench, entry->scene, "deasim linear", "auto");
         fixed_exchange_curve(bench);
+        if (!entry->linear)
+            fixed_capacitor_curve(bench);
     }
     if (!entry->circuit || entry->twin != NULL)
         deasim_curve(bench, entry->twin != NULL ? entry->twin : entry->scene, "deasim native", "native");
@@ -89,7 +91,7 @@ int main(int count, char **arguments) {
                               .folder = folder,
                               .entry = &scene_entries[i],
                               .limit = quick ? 5.0 : 30.0,
-                              .rounds = quick ? 3 : 7,
+                              .rounds = quick ? 3 : 5,
                               .quick = quick};
         if (measure_scene(&bench)) {
             write_rows(&bench, rows);

@@ -123,13 +123,40 @@ void ngspice_curve(struct bench *bench) {
     choose_front(bench, "ngspice");
 }
 
+/* ---- the electronics alone ---- */
+
+/* Path of a program beside deasim: build/release/bench/NAME. */
+static void find_program(const struct bench *bench, const char *name, char *path, size_t size) {
+    const char *slash = strrchr(bench->program, '/');
+    int folder = slash != NULL ? (int)(slash - bench->program) : 1;
+    snprintf(path, size, "%.*s/bench/%s", folder, slash != NULL ? bench->program : ".", name);
+}
+
+void fixed_capacitor_curve(struct bench *bench) {
+    char program[PATH_ROOM], scene[PATH_ROOM], accuracy[32], deck[PATH_ROOM + 64], raw[PATH_ROOM + 64];
+    find_program(bench, "fixed_capacitor", program, sizeof program);
+    snprintf(scene, sizeof scene, "%s", bench->entry->scene);
+    for (double exponent = bench->entry->loosest; exponent <= fmin(bench->entry->tightest, 4.0); exponent += 1.0) {
+        snprintf(accuracy, sizeof accuracy, "%g", pow(10.0, -exponent));
+        struct point *point = bench_add_point(bench, "fixed capacitor", "A=%s", accuracy);
+        snprintf(deck, sizeof deck, "%s/capacitor-%s.cir", bench->folder, accuracy);
+        snprintf(raw, sizeof raw, "%s/capacitor.raw", bench->folder);
+        char *arguments[] = {program, scene, accuracy, deck, NULL};
+        if (!process_run(arguments, NULL, bench->limit).good) {
+            point_fail(point, "no deck");
+            continue;
+        }
+        point_set_command(point, (const char *const[]){"ngspice", "-n", "-b", "-r", raw, deck, NULL});
+        point->walls[0] = process_run(point->arguments, NULL, bench->limit).wall;
+        point->chosen = true;
+    }
+}
+
 /* ---- fixed exchange ---- */
 
 void fixed_exchange_curve(struct bench *bench) {
     char program[PATH_ROOM], interval[32], table[PATH_ROOM + 64], counts[PATH_ROOM + 64];
-    snprintf(program, sizeof program, "%s", bench->program);
-    char *slash = strrchr(program, '/');
-    snprintf(slash != NULL ? slash + 1 : program, sizeof program - 64, "bench/fixed_exchange");
+    find_program(bench, "fixed_exchange", program, sizeof program);
     double longest = bench->stop / 100.0;
     for (int s = 0; s < (bench->quick ? 3 : 6); s++) {
         double step = longest * pow(10.0, -0.5 * (s + 1));

@@ -87,6 +87,29 @@ static void write_failures(const struct bench *bench, FILE *file) {
     fputs(failed > listed ? "; ...\n" : "\n", file);
 }
 
+/* Device and electronics together against the electronics alone, at the same tolerances. */
+static void write_overhead(const struct bench *bench, FILE *file) {
+    bool any = false;
+    for (size_t i = 0; i < bench->point_count; i++) {
+        const struct point *alone = &bench->points[i];
+        if (strcmp(alone->curve, "fixed capacitor") != 0)
+            continue;
+        for (size_t j = 0; j < bench->point_count; j++) {
+            const struct point *own = &bench->points[j];
+            double ratio = point_median(own) / point_median(alone), least = point_least(own) / point_least(alone);
+            if (strcmp(own->curve, "deasim cosim") != 0 || strcmp(own->setting, alone->setting) != 0 ||
+                !isfinite(ratio))
+                continue;
+            fprintf(file, "%s %s: x %.3g (least times x %.3g)",
+                    any ? ";" : "\nAgainst ngspice alone with fixed capacitors, same tolerances:", own->setting, ratio,
+                    least);
+            any = true;
+        }
+    }
+    if (any)
+        fputs(".\n", file);
+}
+
 void write_tables(const struct bench *bench, FILE *file) {
     fprintf(file, "\n## %s: %s\n\nReference: A = %g", bench->entry->name, bench->entry->title,
             bench->reference_accuracy);
@@ -97,5 +120,6 @@ void write_tables(const struct bench *bench, FILE *file) {
     fprintf(file, ". Time for an error of at most the column's head; x: times %s.\n", own_curve(bench));
     write_times(bench, file, false);
     write_times(bench, file, true);
+    write_overhead(bench, file);
     write_failures(bench, file);
 }

@@ -107,6 +107,9 @@ bool deasim_reference(struct bench *bench);
 void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine);
 void ngspice_curve(struct bench *bench);
 void fixed_exchange_curve(struct bench *bench);
+/* ngspice alone on the electronics with plain capacitors in the device's place, at the tolerances of a run of deasim.
+ */
+void fixed_capacitor_curve(struct bench *bench);
 void script_curves(struct bench *bench);
 
 /* Marks the points worth timing of one curve: those no other beats in error and time of the first run. */

@@ -37,7 +37,7 @@ struct dea_energy {
 };
 
 struct dea_run_stats {
-    long circuit_points, circuit_rejected;
+    long circuit_points, circuit_rejected, circuit_iterations;
     long plant_steps, plant_rejected, residuals, jacobians, newton_iterations, restarts;
     double wall_s;
     char mode[16]; /* static, native, linear, cosim */

@@ -55,7 +55,7 @@ struct dea_engine_stats {
     long points;     /* accepted */
     long rejected;   /* by ngspice: truncation error or no convergence */
     long redone;     /* by the candidate callback */
-    long requests;   /* external numbers asked for */
+    long iterations; /* of Newton's method: how often ngspice asked for one and the same external number */
     double shortest; /* accepted step, s */
     double reached;  /* last accepted time, s */
 };

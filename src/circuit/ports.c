@@ -65,7 +65,7 @@ double dea_engine_external_value(struct dea_engine *engine, const char *name, do
     }
     if (++engine->next_source == engine->source_count)
         engine->next_source = 0;
-    engine->stats.requests++;
+    engine->stats.iterations += source == engine->sources;
     const struct dea_engine_callbacks *callbacks = engine->callbacks;
     return source->scale * callbacks->port_value(callbacks->context, source->instance, source->port, source->which, t);
 }

@@ -347,6 +347,7 @@ static void settle_books(struct cosim *run) {
     dea_engine_stats(run->engine, &stats);
     run->result->stats_run.circuit_points = stats.points;
     run->result->stats_run.circuit_rejected = stats.rejected;
+    run->result->stats_run.circuit_iterations = stats.iterations;
     run->result->redone = stats.redone;
 }
 

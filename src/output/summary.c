@@ -119,6 +119,7 @@ static bool add_stats(cJSON *root, const struct dea_result *result) {
     cJSON *object = cJSON_AddObjectToObject(root, "stats");
     return object != NULL && add_number(object, "circuit_points", (double)stats->circuit_points) &&
            add_number(object, "circuit_rejected", (double)stats->circuit_rejected) &&
+           add_number(object, "circuit_iterations", (double)stats->circuit_iterations) &&
            add_number(object, "plant_steps", (double)stats->plant_steps) &&
            add_number(object, "plant_rejected", (double)stats->plant_rejected) &&
            add_number(object, "residuals", (double)stats->residuals) &&

@@ -58,7 +58,7 @@ static inline void fill_sample(struct sample_run *run) {
                                       .redone = 12,
                                       .measures = sample_copy(measures, sizeof measures),
                                       .measure_count = 2,
-                                      .stats_run = {1234, 5, 678, 3, 2000, 40, 1500, 6, 1.25, "cosim"}};
+                                      .stats_run = {1234, 5, 4321, 678, 3, 2000, 40, 1500, 6, 1.25, "cosim"}};
 }
 
 #endif
