@@ -9,9 +9,12 @@ results=docs/performance
 work=out/bench
 [[ $scope == full && $# == 0 ]] || results=out/bench/performance
 mkdir -p "$results" "$work"
+status=0
 "$(dirname "$program")/bench/work_precision" "$program" "$work" "$results/work_precision.csv" "$results/tables.md" \
-    "$scope" "$@"
+    "$scope" "$@" || status=1
 cut -d, -f1 "$results/work_precision.csv" | tail -n +2 | sort -u | while read -r scene; do
-    gnuplot -c bench/work_precision/draw.gp "$results/work_precision.csv" "$scene" "$results/$scene.png"
+    gnuplot -c bench/work_precision/draw.gp "$results/work_precision.csv" "$scene" "$results/$scene.png" \
+        "$(sed -n "s/^## $scene: //p" "$results/tables.md")"
 done
 cat "$results/tables.md"
+exit $status

@@ -62,16 +62,15 @@ static char *read_text(const char *path) {
     return text;
 }
 
-/* Counters and solve time of a run from its summary. */
-static void read_summary(const char *path, struct point *point, double *relaxed) {
-    char *text = read_text(path);
+void deasim_read_output(struct point *point) {
+    char *text = read_text(point->output);
     cJSON *root = text != NULL ? cJSON_Parse(text) : NULL;
     const cJSON *stats = cJSON_GetObjectItemCaseSensitive(root, "stats");
-    point->inner = number_of(stats, "wall_s");
+    point->inner = fmin(point->inner, number_of(stats, "wall_s"));
     point->points = number_of(stats, "circuit_points");
     point->iterations = number_of(stats, "circuit_iterations");
     point->work = number_of(stats, "residuals");
-    *relaxed = number_of(cJSON_GetObjectItemCaseSensitive(root, "coupling"), "relaxed");
+    point->relaxed = number_of(cJSON_GetObjectItemCaseSensitive(root, "coupling"), "relaxed");
     cJSON_Delete(root);
     free(text);
 }
@@ -124,7 +123,7 @@ bool deasim_reference(struct bench *bench) {
     const char *scene = entry->twin != NULL ? entry->twin : entry->scene;
     struct process_result result;
     double accuracy = entry->reference;
-    for (; accuracy < 1e-5; accuracy *= 10.0)
+    for (; accuracy < 1e-3; accuracy *= 10.0)
         if (run_once(bench, scene, "auto", "reference", accuracy, REFERENCE_ROWS, 20.0 * bench->limit,
                      &bench->reference, &result))
             break;
@@ -149,8 +148,8 @@ bool deasim_reference(struct bench *bench) {
 
 void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine) {
     for (double exponent = bench->entry->loosest; exponent <= bench->entry->tightest + 0.01; exponent += 1.0) {
-        double accuracy = pow(10.0, -exponent), relaxed = 0.0;
-        char name[64], folder[PATH_ROOM], json[PATH_ROOM + 32];
+        double accuracy = pow(10.0, -exponent);
+        char name[64], folder[PATH_ROOM];
         struct point *point = bench_add_point(bench, curve, "A=%g", accuracy);
         snprintf(name, sizeof name, "%s-%g", engine, accuracy);
         snprintf(folder, sizeof folder, "%s/%s-timed", bench->folder, name);
@@ -165,13 +164,13 @@ void deasim_curve(struct bench *bench, const char *scene, const char *curve, con
         struct command command;
         make_command(&command, bench, scene, engine, folder, accuracy, TIMED_ROWS);
         point_set_command(point, command.arguments);
-        struct process_result timed = process_run(point->arguments, NULL, bench->limit);
-        snprintf(json, sizeof json, "%s/summary.json", folder);
-        read_summary(json, point, &relaxed);
+        snprintf(point->output, sizeof point->output, "%.900s-%s.json", bench->folder, name);
+        struct process_result timed = process_run(point->arguments, point->output, bench->limit);
+        deasim_read_output(point);
         point->walls[0] = timed.wall;
         point->chosen = timed.good;
-        if (relaxed > 0.0)
+        if (point->relaxed > 0.0)
             snprintf(point->setting + strlen(point->setting), sizeof point->setting - strlen(point->setting),
-                     " relaxed %g", relaxed);
+                     " relaxed %g", point->relaxed);
     }
 }

@@ -15,12 +15,12 @@ do for [c in curves] { if (has(c) > 0) { shown = shown." '".c."'" } }
 array colour[8] = ["#0072b2", "#56b4e9", "#003c66", "#d55e00", "#999999", "#009e73", "#66c2a5", "#cc79a7"]
 number(name) = name eq 'deasim native' ? 1 : name eq 'deasim linear' ? 2 : name eq 'deasim cosim' ? 3 : name eq 'ngspice' ? 4 : \
     name eq 'fixed exchange' ? 5 : name eq 'scipy LSODA' ? 6 : name eq 'scipy Radau' ? 7 : 8
-set multiplot layout 1,2 title ARG2 noenhanced
+set multiplot layout 1,2 title ARG4 noenhanced
 set xlabel "relative L_2 error of displacement and port voltages (worse of the two)"
-set ylabel "wall time, s (median; whisker: least)"
+set ylabel "wall time of the process, s (median; whisker: least)"
 plot for [c in shown] pick(c) using 6:7:8:7 with yerrorbars lc rgb colour[number(c)] pt number(c)+3 ps 1 notitle, \
      for [c in shown] pick(c) using 6:7 with linespoints lc rgb colour[number(c)] pt number(c)+3 lw 2 title c noenhanced
-set ylabel "calls of residual or right-hand side, plus Newton iterations of the circuit"
+set ylabel "calls of the residual + Newton iterations of the circuit"
 sum(a, b) = (valid(a) ? column(a) : 0) + (valid(b) ? column(b) : 0)
 plot for [c in shown] pick(c) using 6:(sum(12, 13) > 0 ? sum(12, 13) : NaN) with linespoints \
     lc rgb colour[number(c)] pt number(c)+3 lw 2 title c noenhanced

@@ -16,9 +16,13 @@ static void time_points(struct bench *bench) {
             struct point *point = &bench->points[i];
             if (!point->chosen || point->arguments[0] == NULL)
                 continue;
-            struct process_result result = process_run(point->arguments, NULL, bench->limit);
-            if (!result.good &&
-                strcmp(point->curve, "ngspice") != 0) /* ngspice -b ends with 1 also when all went well */
+            struct process_result result =
+                process_run(point->arguments, point->output[0] != '\0' ? point->output : NULL, bench->limit);
+            if (strncmp(point->curve, "deasim", 6) == 0)
+                deasim_read_output(point);
+            else if (strcmp(point->curve, "ngspice") == 0)
+                ngspice_read_output(point);
+            if (result.timed_out)
                 continue;
             if (round == 0)
                 point->wall_count = 0;

@@ -48,8 +48,8 @@ static bool write_deck(const struct bench *bench, const char *from, const char *
 /* ---- runs ---- */
 
 /* Counters that `.options acct` prints. */
-static void read_account(const char *path, struct point *point) {
-    FILE *file = fopen(path, "r");
+void ngspice_read_output(struct point *point) {
+    FILE *file = fopen(point->output, "r");
     char line[256];
     double number;
     while (file != NULL && fgets(line, sizeof line, file) != NULL) {
@@ -58,32 +58,32 @@ static void read_account(const char *path, struct point *point) {
         else if (sscanf(line, "Accepted timepoints = %lf", &number) == 1)
             point->points = number;
         else if (sscanf(line, "Total analysis time (seconds) = %lf", &number) == 1)
-            point->inner = number;
+            point->inner = fmin(point->inner, number);
     }
     if (file != NULL)
         fclose(file);
 }
 
 static double run_grid_point(struct bench *bench, const char *deck, const struct grid_point *grid) {
-    char variant[PATH_ROOM + 64], raw[PATH_ROOM + 64], account[PATH_ROOM + 64];
+    char variant[PATH_ROOM + 64], raw[PATH_ROOM + 64];
     struct point *point = bench_add_point(bench, "ngspice", "reltol=%g trtol=%g %s step<=%g", grid->reltol, grid->trtol,
                                           grid->method, grid->longest_step);
     snprintf(variant, sizeof variant, "%s/ngspice-%zu.cir", bench->folder, bench->point_count);
     snprintf(raw, sizeof raw, "%s/ngspice-%zu.raw", bench->folder, bench->point_count);
-    snprintf(account, sizeof account, "%s/ngspice-%zu.txt", bench->folder, bench->point_count);
+    snprintf(point->output, sizeof point->output, "%.900s/ngspice-%zu.txt", bench->folder, bench->point_count);
     if (!write_deck(bench, deck, variant, grid)) {
         point_fail(point, "no deck");
         return INFINITY;
     }
     point_set_command(point, (const char *const[]){"ngspice", "-n", "-b", "-r", raw, variant, NULL});
-    struct process_result result = process_run(point->arguments, account, bench->limit);
+    struct process_result result = process_run(point->arguments, point->output, bench->limit);
     struct trace trace = {0};
     point->walls[0] = result.wall;
-    read_account(account, point);
+    ngspice_read_output(point);
     if (result.timed_out)
         point_fail(point, "took more than %g s", bench->limit);
     else if (!trace_read_raw(raw, bench->nodes, bench->signal_count, 1e-3, &trace))
-        point_fail(point, "no operating point");
+        point_fail(point, "no result");
     else
         point->error = trace_compare(&trace, &bench->reference);
     if (trace.count > 0 && !isfinite(point->error.x))

@@ -86,7 +86,7 @@ double curve_time(const struct bench *bench, const char *curve, double error, bo
     double best = NAN;
     for (size_t i = 0; i < bench->point_count; i++) {
         const struct point *p = &bench->points[i];
-        double e = point_error(p), t = inner ? p->inner : point_median(p);
+        double e = point_error(p), t = inner ? p->inner : point_least(p);
         if (strcmp(p->curve, curve) != 0 || !p->chosen || !isfinite(e) || !isfinite(t))
             continue;
         if (e <= error && !(t >= best)) {
@@ -98,7 +98,7 @@ double curve_time(const struct bench *bench, const char *curve, double error, bo
     }
     if (below == NULL || above == NULL)
         return best;
-    double t0 = inner ? above->inner : point_median(above), e0 = point_error(above), e1 = point_error(below);
+    double t0 = inner ? above->inner : point_least(above), e0 = point_error(above), e1 = point_error(below);
     if (t0 >= best)
         return best;
     return t0 * pow(best / t0, log(e0 / error) / log(e0 / e1));

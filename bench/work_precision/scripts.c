@@ -97,7 +97,7 @@ static void read_script_line(struct bench *bench, char *line) {
     point->work = atof(calls);
     for (char *word; (word = strtok_r(NULL, " \n", &rest)) != NULL && point->wall_count < MAX_ROUNDS;)
         point->walls[point->wall_count++] = atof(word);
-    point->inner = point_median(point);
+    point->inner = point_least(point);
     snprintf(path, sizeof path, "%s/%s-%s.txt", bench->folder, method, tolerance);
     struct trace trace = {0};
     if (trace_read_table(path, bench->signal_count, &trace)) {

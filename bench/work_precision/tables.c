@@ -117,7 +117,8 @@ void write_tables(const struct bench *bench, FILE *file) {
         fputs(" on native sources", file);
     if (isfinite(bench->reference_doubt))
         fprintf(file, "; the run at ten times that differs by %.1e", bench->reference_doubt);
-    fprintf(file, ". Time for an error of at most the column's head; x: times %s.\n", own_curve(bench));
+    fprintf(file, ". Least time of the runs for an error of at most the column's head; x: times %s.\n",
+            own_curve(bench));
     write_times(bench, file, false);
     write_times(bench, file, true);
     write_overhead(bench, file);

@@ -48,11 +48,13 @@ struct point {
     char curve[32], setting[80];
     char problem[80];               /* empty: all well */
     char *arguments[MAX_ARGUMENTS]; /* of the timed command, owned; none for points timed elsewhere */
+    char output[PATH_ROOM];         /* where its stdout goes; empty: nowhere */
     struct trace_error error;
-    double inner;             /* s, solve time the program itself reports; NAN: none */
+    double inner;             /* s, the least solve time the program itself reports; NAN: none */
     double walls[MAX_ROUNDS]; /* s */
     int wall_count;
     double cpu;                      /* s, the least of the rounds */
+    double relaxed;                  /* how often deasim loosened the circuit's tolerances */
     double points, iterations, work; /* accepted circuit points, Newton iterations, residual or right-hand side calls */
     bool chosen;                     /* is timed: on its curve's front */
 };
@@ -96,6 +98,9 @@ struct point *bench_add_point(struct bench *bench, const char *curve, const char
     __attribute__((format(printf, 3, 4)));
 void point_set_command(struct point *point, const char *const *arguments);
 void point_fail(struct point *point, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Counters and solve time out of a run's output: the summary of deasim, the account of ngspice. */
+void deasim_read_output(struct point *point);
+void ngspice_read_output(struct point *point);
 double point_error(const struct point *point);
 double point_median(const struct point *point);
 double point_least(const struct point *point);
@@ -117,8 +122,8 @@ void choose_front(struct bench *bench, const char *curve);
 
 /* ---- results ---- */
 
-/* Seconds a curve needs for an error, by straight lines between its points on log axes; the fastest point where all are
- * better; NAN where none is good enough. `inner` takes the time the program itself reports. */
+/* Least seconds a curve needs for an error, by straight lines between its points on log axes; the fastest point where
+ * all are better; NAN where none is good enough. `inner` takes the time the program itself reports. */
 double curve_time(const struct bench *bench, const char *curve, double error, bool inner);
 void write_rows(const struct bench *bench, FILE *file);
 void write_tables(const struct bench *bench, FILE *file);
