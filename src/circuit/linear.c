@@ -1,7 +1,5 @@
 /* From a flattened listing to modified nodal equations. */
-#include "circuit/linear.h"
-
-#include "circuit/netlist_internal.h"
+#include "circuit/linear_internal.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -10,44 +8,24 @@
 #include <string.h>
 #include <strings.h>
 
-enum { MAX_WORDS = 4096, GROUND = -1 };
-
-/* A voltage-defined branch and the element it belongs to. */
-struct branch {
-    char *name; /* owned: "l1", "v.xa.v2" */
-    double inductance;
-    bool imposed;
-};
-
-struct reader {
-    struct dea_network *network;
-    struct branch *branches; /* owned */
-    int branch_count;
-    char *words[MAX_WORDS]; /* of the present line */
-    int word_count;
-    char *line; /* owned copy, cut into words */
-    double step, stop;
-    bool linear;
-    struct dea_error *error;
-};
+#define LISTING_CUT 4000     /* shorter lines of a listing are whole */
+#define SEPARATORS " \t(),=" /* between words */
 
 /* ---- words ---- */
 
-/* Cuts at blanks; brackets, commas and = count as blanks but stay visible to the parser as separators only. */
+/* Cuts at blanks, brackets, commas and =, all of which only separate. */
 static bool cut_words(struct reader *reader, const char *text) {
     free(reader->line);
+    free(reader->words);
     reader->word_count = 0;
     reader->line = strdup(text);
-    if (reader->line == NULL)
+    reader->words = malloc((strlen(text) / 2 + 1) * sizeof *reader->words);
+    if (reader->line == NULL || reader->words == NULL)
         return false;
-    for (char *c = reader->line; *c != '\0'; c++) {
-        if (strchr("(),=", *c) != NULL)
-            *c = ' ';
+    for (char *c = reader->line; *c != '\0'; c++)
         *c = (char)tolower((unsigned char)*c);
-    }
     char *rest = reader->line;
-    for (char *word = strtok_r(rest, " \t", &rest); word != NULL && reader->word_count < MAX_WORDS;
-         word = strtok_r(NULL, " \t", &rest))
+    for (char *word = strtok_r(rest, SEPARATORS, &rest); word != NULL; word = strtok_r(NULL, SEPARATORS, &rest))
         reader->words[reader->word_count++] = word;
     return true;
 }
@@ -86,13 +64,11 @@ static enum dea_status add_branch(struct reader *reader, const char *name, doubl
     char *copy = branches != NULL ? strdup(name) : NULL;
     if (copy == NULL)
         return dea_fail(reader->error, DEA_ERR_MEMORY, "out of memory for the circuit's branches");
-    reader->branches[reader->branch_count++] = (struct branch){copy, inductance, imposed};
+    reader->branches[reader->branch_count++] = (struct branch){copy, inductance, false, imposed};
     return DEA_OK;
 }
 
-/* ---- stamps: branch rows are numbered from BRANCH on until the number of nodes is known ---- */
-
-enum { BRANCH = 1 << 24 };
+/* ---- stamps ---- */
 
 static enum dea_status stamp(struct reader *reader, bool capacitive, int row, int column, double value) {
     struct dea_network *network = reader->network;
@@ -124,116 +100,69 @@ static enum dea_status stamp_branch(struct reader *reader, int p, int n, int bra
     return stamp(reader, false, branch, n, -1.0);
 }
 
-/* ---- sources ---- */
-
-static bool numbers(const struct reader *reader, int from, double *values, int most, int *count) {
-    for (*count = 0; from + *count < reader->word_count; (*count)++)
-        if (*count == most || !dea_spice_number(reader->words[from + *count], &values[*count]))
-            return false;
-    return true;
-}
-
-/* PULSE(v1 v2 td tr tf pw per) with ngspice's defaults. */
-static bool read_pulse(const struct reader *reader, int from, struct dea_waveform *w) {
-    double v[7] = {0};
-    int count;
-    if (!numbers(reader, from, v, 7, &count) || count < 2)
-        return false;
-    *w = (struct dea_waveform){.kind = DEA_WAVE_PULSE, .low = v[0], .high = v[1], .delay = fmax(v[2], 0.0)};
-    w->rise = v[3] > 0.0 ? v[3] : reader->step;
-    w->fall = v[4] > 0.0 ? v[4] : reader->step;
-    w->width = v[5] > 0.0 ? v[5] : reader->stop;
-    w->period = v[6] > 0.0 ? v[6] : reader->stop;
-    return w->period >= w->rise + w->width + w->fall || v[6] <= 0.0;
-}
-
-/* SIN(vo va freq td theta phase) */
-static bool read_sine(const struct reader *reader, int from, struct dea_waveform *w) {
-    double v[6] = {0};
-    int count;
-    if (!numbers(reader, from, v, 6, &count) || count < 2)
-        return false;
-    *w = (struct dea_waveform){.kind = DEA_WAVE_SINE,
-                               .offset = v[0],
-                               .amplitude = v[1],
-                               .delay = v[3],
-                               .decay = v[4],
-                               .phase = v[5] * M_PI / 180.0};
-    w->frequency = v[2] > 0.0 ? v[2] : 1.0 / reader->stop;
-    return true;
-}
-
-static bool read_points(const struct reader *reader, int from, struct dea_waveform *w) {
-    int count = reader->word_count - from;
-    if (count < 2 || count % 2 != 0)
-        return false;
-    *w = (struct dea_waveform){.kind = DEA_WAVE_PWL, .point_count = (size_t)count / 2};
-    w->times = calloc(w->point_count, sizeof *w->times);
-    w->values = calloc(w->point_count, sizeof *w->values);
-    bool good = w->times != NULL && w->values != NULL;
-    for (size_t i = 0; good && i < w->point_count; i++)
-        good = dea_spice_number(reader->words[from + 2 * (int)i], &w->times[i]) &&
-               dea_spice_number(reader->words[from + 2 * (int)i + 1], &w->values[i]);
-    if (!good)
-        dea_waveform_clear(w);
-    return good;
-}
-
-/* "[dc] value", then pulse, sin or pwl: what follows the nodes of a source. */
-static bool read_waveform(const struct reader *reader, int from, struct dea_waveform *w) {
-    double level = 0.0;
-    if (from < reader->word_count && strcmp(reader->words[from], "dc") == 0)
-        from++;
-    if (from < reader->word_count && dea_spice_number(reader->words[from], &level))
-        from++;
-    *w = (struct dea_waveform){.kind = DEA_WAVE_DC, .level = level};
-    if (from >= reader->word_count)
-        return true;
-    const char *function = reader->words[from++];
-    if (strcmp(function, "pulse") == 0)
-        return read_pulse(reader, from, w);
-    if (strcmp(function, "sin") == 0)
-        return read_sine(reader, from, w);
-    return strcmp(function, "pwl") == 0 && read_points(reader, from, w);
-}
-
-static enum dea_status add_source(struct reader *reader, int row, int other_row, int from) {
-    struct dea_network *network = reader->network;
-    struct dea_waveform waveform;
-    struct dea_error ignored;
-    if (!read_waveform(reader, from, &waveform)) {
-        reader->linear = false;
-        return DEA_OK;
-    }
-    if (dea_waveform_check(&waveform, &ignored) != DEA_OK) { /* ngspice has its own ideas of it */
-        dea_waveform_clear(&waveform);
-        reader->linear = false;
-        return DEA_OK;
-    }
-    struct dea_network_source *sources = dea_grow(network->sources, (int)network->source_count, sizeof *sources);
-    if (sources == NULL) {
-        dea_waveform_clear(&waveform);
-        return dea_fail(reader->error, DEA_ERR_MEMORY, "out of memory for the circuit's sources");
-    }
-    network->sources = sources;
-    sources[network->source_count++] = (struct dea_network_source){row, other_row, waveform};
-    if (row >= BRANCH)
-        network->peak = fmax(network->peak, dea_waveform_peak(&waveform));
-    return DEA_OK;
-}
-
 /* ---- elements ---- */
 
-/* name p n value, nothing else; a capacitor's or inductor's ic is only used with uic, which is not linear here. */
-static bool two_pole_value(const struct reader *reader, double *value) {
-    bool plain = reader->word_count == 4 || (reader->word_count == 6 && strcmp(reader->words[4], "ic") == 0);
-    return plain && dea_spice_number(reader->words[3], value) && isfinite(*value);
+/* What may follow the nodes of R, C and L: a number, then names and numbers. */
+struct two_pole {
+    double value;      /* Ohm, F or H */
+    double multiplier; /* so many in parallel */
+    double scale, tc1, tc2, dtemp, temp;
+    double initial; /* V or A; only used with uic, which is not linear here */
+    double ac;      /* Ohm, for small signals only */
+};
+
+/* The number behind a name, NULL for a name that is not understood. */
+static double *find_parameter(struct two_pole *pole, char kind, const char *name) {
+    const struct {
+        const char *name, *kinds;
+        double *number;
+    } known[] = {{"m", "rcl", &pole->multiplier}, {"scale", "rcl", &pole->scale},    {"tc", "rcl", &pole->tc1},
+                 {"tc1", "rcl", &pole->tc1},      {"tc2", "rcl", &pole->tc2},        {"dtemp", "rcl", &pole->dtemp},
+                 {"temp", "rcl", &pole->temp},    {"ic", "cl", &pole->initial},      {"ac", "r", &pole->ac},
+                 {"r", "r", &pole->value},        {"resistance", "r", &pole->value}, {"c", "c", &pole->value},
+                 {"l", "l", &pole->value}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (strchr(known[i].kinds, kind) != NULL && strcmp(name, known[i].name) == 0)
+            return known[i].number;
+    return NULL;
+}
+
+/* Element value with its temperature and its multiples, as ngspice works them out. */
+static bool two_pole_value(const struct reader *reader, char kind, double *value, bool *multiplied) {
+    struct two_pole pole = {.value = NAN,
+                            .multiplier = NAN,
+                            .scale = NAN,
+                            .tc1 = NAN,
+                            .tc2 = NAN,
+                            .dtemp = NAN,
+                            .temp = NAN,
+                            .initial = NAN,
+                            .ac = NAN};
+    int word = 3;
+    if (dea_spice_number(reader->words[word], &pole.value))
+        word++;
+    for (; word + 1 < reader->word_count; word += 2) {
+        double *number = find_parameter(&pole, kind, reader->words[word]);
+        if (number == NULL || !isnan(*number) || !dea_spice_number(reader->words[word + 1], number))
+            return false;
+    }
+    bool two_temperatures = !isnan(pole.temp) && !isnan(pole.dtemp);
+    if (word != reader->word_count || !isfinite(pole.value) || two_temperatures)
+        return false;
+    double multiplier = isnan(pole.multiplier) ? 1.0 : pole.multiplier;
+    *multiplied = multiplier != 1.0;
+    double warmer = !isnan(pole.temp) ? pole.temp - NOMINAL_TEMPERATURE : isnan(pole.dtemp) ? 0.0 : pole.dtemp;
+    double factor = 1.0 + warmer * ((isnan(pole.tc1) ? 0.0 : pole.tc1) + warmer * (isnan(pole.tc2) ? 0.0 : pole.tc2));
+    *value = pole.value * factor * (isnan(pole.scale) ? 1.0 : pole.scale);
+    *value = kind == 'c' ? *value * multiplier : *value / multiplier;
+    return multiplier > 0.0 && isfinite(*value);
 }
 
 static enum dea_status read_two_pole(struct reader *reader, char kind, int p, int n) {
     double value;
-    if (!two_pole_value(reader, &value) || (kind != 'c' && value == 0.0) || (kind == 'c' && value < 0.0) ||
-        (kind == 'l' && value < 0.0)) {
+    bool multiplied;
+    if (!two_pole_value(reader, kind, &value, &multiplied) || (kind != 'c' && value == 0.0) ||
+        (kind != 'r' && value < 0.0)) {
         reader->linear = false;
         return DEA_OK;
     }
@@ -243,13 +172,24 @@ static enum dea_status read_two_pole(struct reader *reader, char kind, int p, in
         return stamp_pair(reader, true, p, n, value);
     int branch = BRANCH + reader->branch_count;
     DEA_TRY(add_branch(reader, reader->words[0], value, false));
+    reader->branches[branch - BRANCH].multiplied = multiplied;
     DEA_TRY(stamp_branch(reader, p, n, branch));
     return stamp(reader, true, branch, branch, -value);
 }
 
+/* "m number" at the end of a controlled or current source: so many in parallel. */
+static double take_multiplier(struct reader *reader) {
+    double multiplier = 1.0;
+    if (reader->word_count > 5 && strcmp(reader->words[reader->word_count - 2], "m") == 0) {
+        if (dea_spice_number(reader->words[reader->word_count - 1], &multiplier))
+            reader->word_count -= 2;
+    }
+    return multiplier;
+}
+
 /* E and G: name p n cp cn gain. */
 static enum dea_status read_voltage_controlled(struct reader *reader, char kind, int p, int n) {
-    double gain;
+    double gain, multiplier = kind == 'g' ? take_multiplier(reader) : 1.0;
     int cp, cn;
     if (reader->word_count != 6 || !dea_spice_number(reader->words[5], &gain)) {
         reader->linear = false;
@@ -257,6 +197,7 @@ static enum dea_status read_voltage_controlled(struct reader *reader, char kind,
     }
     DEA_TRY(find_node(reader, reader->words[3], &cp));
     DEA_TRY(find_node(reader, reader->words[4], &cn));
+    gain *= multiplier;
     if (kind == 'g') {
         DEA_TRY(stamp(reader, false, p, cp, gain));
         DEA_TRY(stamp(reader, false, p, cn, -gain));
@@ -272,12 +213,13 @@ static enum dea_status read_voltage_controlled(struct reader *reader, char kind,
 
 /* F and H, in a second pass, when every source has its branch: name p n vname gain. K: name l1 l2 coupling. */
 static enum dea_status read_current_controlled(struct reader *reader, char kind, int p, int n) {
-    double gain;
+    double gain, multiplier = kind == 'f' ? take_multiplier(reader) : 1.0;
     int control = reader->word_count == 5 ? find_branch(reader, reader->words[3]) : -1;
     if (control < 0 || !dea_spice_number(reader->words[4], &gain)) {
         reader->linear = false;
         return DEA_OK;
     }
+    gain *= multiplier;
     if (kind == 'f') {
         DEA_TRY(stamp(reader, false, p, BRANCH + control, gain));
         return stamp(reader, false, n, BRANCH + control, -gain);
@@ -292,7 +234,8 @@ static enum dea_status read_coupling(struct reader *reader) {
     double coupling;
     int first = reader->word_count == 4 ? find_branch(reader, reader->words[1]) : -1;
     int second = reader->word_count == 4 ? find_branch(reader, reader->words[2]) : -1;
-    if (first < 0 || second < 0 || !dea_spice_number(reader->words[3], &coupling)) {
+    if (first < 0 || second < 0 || !dea_spice_number(reader->words[3], &coupling) ||
+        reader->branches[first].multiplied || reader->branches[second].multiplied) {
         reader->linear = false;
         return DEA_OK;
     }
@@ -328,12 +271,12 @@ static enum dea_status read_element(struct reader *reader, bool second) {
     case 'h':
         return read_current_controlled(reader, kind, p, n);
     case 'i':
-        return add_source(reader, n, p, 3); /* flows from p through the source to n */
+        return dea_linear_add_source(reader, n, p, take_multiplier(reader)); /* from p through the source to n */
     default: {
         int branch = BRANCH + reader->branch_count;
         DEA_TRY(add_branch(reader, reader->words[0], 0.0, true));
         DEA_TRY(stamp_branch(reader, p, n, branch));
-        return add_source(reader, branch, GROUND, 3);
+        return dea_linear_add_source(reader, branch, GROUND, 1.0);
     }
     }
 }
@@ -353,6 +296,28 @@ static bool belongs_to_measure(const struct reader *reader) {
            isdigit((unsigned char)name[4]);
 }
 
+/* ngspice cuts the lines of its listing off at 4096 characters. Such a line of the top level is read from the netlist
+ * itself, where both agree in every word up to the cut; NULL: they do not. */
+static const char *find_whole_line(struct reader *reader, const char *listed, const struct dea_netlist *netlist) {
+    if (strlen(listed) < LISTING_CUT)
+        return listed;
+    for (int i = 1; i < netlist->line_count; i++) {
+        const char *text = netlist->lines[i].text, *a = listed, *b = text;
+        if (!netlist->lines[i].passed || strlen(text) < LISTING_CUT)
+            continue;
+        for (; *a != '\0' && *b != '\0'; a++, b++) {
+            a += strspn(a, SEPARATORS);
+            b += strspn(b, SEPARATORS);
+            if (tolower((unsigned char)*a) != tolower((unsigned char)*b))
+                break;
+        }
+        if (*a == '\0')
+            return text;
+    }
+    reader->linear = false;
+    return NULL;
+}
+
 static bool is_harmless_command(const char *word) {
     static const char *const harmless[] = {".tran", ".end",   ".options", ".option",
                                            ".save", ".param", ".global",  ".ends"};
@@ -363,10 +328,15 @@ static bool is_harmless_command(const char *word) {
 }
 
 static enum dea_status read_pass(struct reader *reader, const struct dea_listing *listing,
-                                 const struct dea_netlist_instance *instance, int pos, bool second, char *why,
-                                 size_t why_size) {
+                                 const struct dea_netlist *netlist, int pos, bool second, char *why, size_t why_size) {
+    const struct dea_netlist_instance *instance = &netlist->instances[0];
     for (int i = 1; i < listing->count && reader->linear; i++) { /* line 0 is the title */
-        if (!cut_words(reader, listing->lines[i]))
+        const char *line = find_whole_line(reader, listing->lines[i], netlist);
+        if (line == NULL)
+            snprintf(why, why_size, "%s", listing->lines[i]);
+        if (line == NULL)
+            break;
+        if (!cut_words(reader, line))
             return dea_fail(reader->error, DEA_ERR_MEMORY, "out of memory for the circuit");
         if (reader->word_count == 0 || reader->words[0][0] == '*' ||
             belongs_to_device(reader->words[0], instance->path) || belongs_to_measure(reader))
@@ -415,15 +385,38 @@ static enum dea_status number_branches(struct reader *reader) {
     return DEA_OK;
 }
 
+/* Options that change the circuit itself and not only how it is solved. */
+static bool changes_circuit(const char *line) {
+    static const char *const harmless[] = {
+        "abstol",    "reltol",   "vntol",       "chgtol", "trtol", "gmin",        "gminsteps",
+        "srcsteps",  "itl1",     "itl2",        "itl3",   "itl4",  "itl5",        "itl6",
+        "pivtol",    "pivrel",   "method",      "maxord", "xmu",   "minbreak",    "noopiter",
+        "convlimit", "convstep", "convabsstep", "bypass", "trap",  "trapezoidal", "gear"};
+    const char *cursor = line;
+    char token[DEA_TOKEN_MAX];
+    double ignored;
+    if (strncasecmp(line, ".opt", 4) != 0 || !dea_netlist_token(&cursor, token))
+        return false;
+    while (dea_netlist_token(&cursor, token)) {
+        bool known = strcmp(token, "=") == 0 || dea_spice_number(token, &ignored);
+        for (size_t i = 0; i < sizeof harmless / sizeof harmless[0] && !known; i++)
+            known = strcasecmp(token, harmless[i]) == 0;
+        if (!known)
+            return true;
+    }
+    return false;
+}
+
 bool dea_linear_possible(const struct dea_netlist *netlist) {
     if (netlist->instance_count != 1 || !dea_measures_movable(netlist) || netlist->tran.uic || netlist->has_event_parts)
         return false;
     for (int i = 1; i < netlist->line_count; i++) {
         const char *text = netlist->lines[i].text + strspn(netlist->lines[i].text, " \t");
         char first = (char)tolower((unsigned char)text[0]);
-        bool starts_elsewhere = strncasecmp(text, ".ic", 3) == 0 || strncasecmp(text, ".nodeset", 8) == 0;
+        bool starts_elsewhere = strncasecmp(text, ".ic", 3) == 0 || strncasecmp(text, ".nodeset", 8) == 0 ||
+                                strncasecmp(text, ".temp", 5) == 0;
         if (netlist->lines[i].passed &&
-            (starts_elsewhere || (first != '\0' && strchr("rclkviegfhx.*$;+", first) == NULL)))
+            (starts_elsewhere || changes_circuit(text) || (first != '\0' && strchr("rclkviegfhx.*$;+", first) == NULL)))
             return false;
     }
     return true;
@@ -443,7 +436,7 @@ enum dea_status dea_linear_read(const struct dea_listing *listing, const struct 
             status = find_node(&reader, instance->nodes[2 * p + 1], &network->ports[zones[p]].n);
     }
     for (int pass = 0; pass < 2 && status == DEA_OK; pass++)
-        status = read_pass(&reader, listing, instance, 2 * port_count, pass == 1, why, why_size);
+        status = read_pass(&reader, listing, netlist, 2 * port_count, pass == 1, why, why_size);
     if (status == DEA_OK)
         status = number_branches(&reader);
     *linear = reader.linear;
@@ -451,6 +444,7 @@ enum dea_status dea_linear_read(const struct dea_listing *listing, const struct 
         free(reader.branches[i].name);
     free(reader.branches);
     free(reader.line);
+    free(reader.words);
     return status;
 }
 
