@@ -124,9 +124,12 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
     const struct dea_engine_callbacks *callbacks = engine->callbacks;
     double wanted = *delta;
     if (location == 0) { /* before the step from time to time + *delta */
-        if (callbacks->before_step == NULL || engine->verdict != DEA_OK)
+        if (engine->verdict != DEA_OK)
             return 0;
-        callbacks->before_step(callbacks->context, time, &wanted);
+        if (callbacks->before_step != NULL)
+            callbacks->before_step(callbacks->context, time, &wanted);
+        if (engine->switches != NULL)
+            wanted = fmin(wanted, dea_switches_limit(engine->switches, fmin(wanted, *delta), engine->options->stop));
         if (wanted < *delta)
             *delta = fmax(wanted, fmin(*delta, engine->floor));
         return 0;
@@ -171,6 +174,8 @@ static int take_point(pvecvaluesall values, int count, int id, void *context) {
         if (fabs(time - stop) < 1e-10 * dea_deck_longest_step(engine->options)) /* ngspice may end a little early */
             time = stop;
         dea_engine_fill_samples(engine, values);
+        if (engine->switches != NULL)
+            dea_switches_follow(engine->switches, time, values);
         engine->stats.points++;
         engine->stats.reached = time;
         struct dea_circuit_point point = {.time = time, .ports = engine->samples, .nodes = engine->node_values};
@@ -288,8 +293,10 @@ static void unload(struct dea_engine *engine) {
     }
     dea_engine_clear_ports(engine);
     dea_engine_clear_complaints(engine);
+    dea_switches_destroy(engine->switches);
     free(engine->measures);
     free(engine->breakpoints);
+    engine->switches = NULL;
     engine->measures = NULL;
     engine->breakpoints = NULL;
     engine->measure_count = engine->breakpoint_count = 0;
@@ -320,7 +327,7 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
     int failed = ngSpice_Circ(deck->lines);
     if (failed || engine->complaints.count > 0 || engine->complaints.exit_requested)
         return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", NULL, error);
-    return DEA_OK;
+    return dea_switches_find(engine, &engine->switches, error);
 }
 
 enum dea_status dea_engine_list(struct dea_engine *engine, struct dea_listing *listing, struct dea_error *error) {

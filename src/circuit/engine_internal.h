@@ -4,6 +4,7 @@
 
 #include "circuit/deck_internal.h"
 #include "circuit/engine.h"
+#include "circuit/switches.h"
 
 #define XSPICE /* Debian builds the library with code models; the header hides their functions otherwise */
 #include <ngspice/sharedspice.h>
@@ -69,9 +70,10 @@ struct dea_engine {
     int breakpoint_count;
 
     bool running, stop_sent;
-    enum dea_status verdict; /* of the callbacks: DEA_OK while going on */
-    double floor;            /* shortest step we ask for, s */
-    bool redo_possible;      /* no event-driven parts */
+    enum dea_status verdict;       /* of the callbacks: DEA_OK while going on */
+    double floor;                  /* shortest step we ask for, s */
+    bool redo_possible;            /* no event-driven parts */
+    struct dea_switches *switches; /* owned; NULL: none */
     struct dea_step_record steps[DEA_STEPS_KEPT];
     long step_count;     /* candidates so far */
     long tiny_steps;     /* candidates in a row below the collapse limit */
@@ -92,6 +94,8 @@ void dea_engine_clear_ports(struct dea_engine *engine);
 double dea_engine_external_value(struct dea_engine *engine, const char *name, double t);
 /* Finds the wanted vectors in ngspice's list; DEA_ERR_INPUT names a node that does not exist. */
 enum dea_status dea_engine_map_vectors(struct dea_engine *engine, const vecvaluesall *values, struct dea_error *error);
+/* Index of a node's or branch's vector; -1: ground, -2: not there. */
+int dea_engine_find_vector(const vecvaluesall *values, const char *name);
 void dea_engine_fill_samples(struct dea_engine *engine, const vecvaluesall *values);
 
 /* ---- messages.c ---- */

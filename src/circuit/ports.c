@@ -73,7 +73,7 @@ double dea_engine_external_value(struct dea_engine *engine, const char *name, do
 /* ---- samples ---- */
 
 /* Index of a node's or branch's vector; ngspice writes a node that is a number as V(1). -2: not there. */
-static int find_vector(const vecvaluesall *values, const char *name) {
+int dea_engine_find_vector(const vecvaluesall *values, const char *name) {
     char numbered[320];
     if (strcmp(name, "0") == 0)
         return -1;
@@ -92,12 +92,12 @@ static enum dea_status map_port(struct dea_engine *engine, int instance, int por
     snprintf(film, sizeof film, "%s.f%d", called->path, port);
     snprintf(current, sizeof current, "%s.q%d", called->path, port);
     snprintf(charge, sizeof charge, "l.%s.lq%d#branch", called->path, port);
-    vectors->p = find_vector(values, called->nodes[2 * port]);
-    vectors->n = find_vector(values, called->nodes[2 * port + 1]);
-    vectors->film =
-        engine->devices[called->device].ports[port].resistance > 0.0 ? find_vector(values, film) : vectors->p;
-    vectors->current = find_vector(values, current);
-    vectors->charge = find_vector(values, charge);
+    vectors->p = dea_engine_find_vector(values, called->nodes[2 * port]);
+    vectors->n = dea_engine_find_vector(values, called->nodes[2 * port + 1]);
+    vectors->film = engine->devices[called->device].ports[port].resistance > 0.0 ? dea_engine_find_vector(values, film)
+                                                                                 : vectors->p;
+    vectors->current = dea_engine_find_vector(values, current);
+    vectors->charge = dea_engine_find_vector(values, charge);
     vectors->charge_unit = dea_port_charge_unit(&engine->devices[called->device].ports[port]);
     if (vectors->p == -2 || vectors->n == -2 || vectors->film == -2 || vectors->current < 0 || vectors->charge < 0)
         return dea_fail(error, DEA_ERR_INTERNAL, "ngspice does not deliver the values of device %s", called->path);
@@ -105,18 +105,20 @@ static enum dea_status map_port(struct dea_engine *engine, int instance, int por
 }
 
 enum dea_status dea_engine_map_vectors(struct dea_engine *engine, const vecvaluesall *values, struct dea_error *error) {
-    engine->time_vector = find_vector(values, "time");
+    engine->time_vector = dea_engine_find_vector(values, "time");
     if (engine->time_vector < 0)
         return dea_fail(error, DEA_ERR_INTERNAL, "ngspice does not deliver the time");
     for (int i = 0; i < engine->netlist->instance_count; i++)
         for (int port = 0; port < engine->devices[engine->netlist->instances[i].device].port_count; port++)
             DEA_TRY(map_port(engine, i, port, values, error));
     for (int i = 0; i < engine->options->node_count; i++) {
-        engine->node_vectors[i] = find_vector(values, engine->options->nodes[i]);
+        engine->node_vectors[i] = dea_engine_find_vector(values, engine->options->nodes[i]);
         if (engine->node_vectors[i] == -2)
             return dea_fail(error, DEA_ERR_INPUT, "%s: the circuit has no node %s", engine->netlist->files[0],
                             engine->options->nodes[i]);
     }
+    if (engine->switches != NULL)
+        dea_switches_map(engine->switches, values);
     engine->vectors_known = true;
     return DEA_OK;
 }
