@@ -39,6 +39,7 @@ struct dea_external_source {
     const char *asked_as; /* ngspice's own pointer to that name, once seen */
     int instance, port;
     enum dea_external which;
+    int next;     /* index of the source ngspice asked for after this one */
     double scale; /* ngspice sees value * scale */
 };
 
@@ -58,9 +59,9 @@ struct dea_engine {
     struct dea_error *run_error; /* of the run in progress: callback_error, or NULL */
 
     struct dea_external_source *sources; /* owned */
-    int source_count, next_source;
-    struct dea_port_vectors *vectors; /* owned, DEA_ZONES per instance */
-    int *node_vectors;                /* owned, -1: ground */
+    int source_count, last_source;       /* the latter: asked last */
+    struct dea_port_vectors *vectors;    /* owned, DEA_ZONES per instance */
+    int *node_vectors;                   /* owned, -1: ground */
     bool vectors_known;
     int time_vector;
     struct dea_port_sample *samples; /* owned, DEA_ZONES per instance */

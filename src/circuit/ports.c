@@ -47,24 +47,30 @@ static enum dea_status add_sources(struct dea_engine *engine, int instance, stru
     return add_source(engine, instance, -1, DEA_EXTERNAL_POSITION, 1e3, error); /* 1 V per mm */
 }
 
+/* By ngspice's pointer, and by the name itself the first time. -1: not one of ours. */
+static int find_source(const struct dea_engine *engine, const char *name) {
+    for (int i = 0; i < engine->source_count; i++)
+        if (engine->sources[i].asked_as == name)
+            return i;
+    for (int i = 0; i < engine->source_count; i++)
+        if (strcasecmp(engine->sources[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
 double dea_engine_external_value(struct dea_engine *engine, const char *name, double t) {
-    /* ngspice asks in the same order at every iteration: the next one is nearly always right */
-    struct dea_external_source *source = &engine->sources[engine->next_source];
+    /* ngspice asks in the same order at every iteration, its own: each source remembers which came after it */
+    struct dea_external_source *before = &engine->sources[engine->last_source], *source;
+    source = &engine->sources[before->next];
     if (source->asked_as != name) {
-        int i = 0;
-        while (i < engine->source_count && engine->sources[i].asked_as != name)
-            i++;
-        if (i == engine->source_count)
-            for (i = 0; i < engine->source_count && strcasecmp(engine->sources[i].name, name) != 0; i++)
-                ;
-        if (i == engine->source_count)
+        int i = find_source(engine, name);
+        if (i < 0)
             return 0.0; /* vetting lets no other EXTERNAL source through */
-        engine->next_source = i;
+        before->next = i;
         source = &engine->sources[i];
         source->asked_as = name;
     }
-    if (++engine->next_source == engine->source_count)
-        engine->next_source = 0;
+    engine->last_source = before->next;
     engine->stats.iterations += source == engine->sources;
     const struct dea_engine_callbacks *callbacks = engine->callbacks;
     return source->scale * callbacks->port_value(callbacks->context, source->instance, source->port, source->which, t);
@@ -172,6 +178,6 @@ void dea_engine_clear_ports(struct dea_engine *engine) {
     engine->samples = NULL;
     engine->node_vectors = NULL;
     engine->node_values = NULL;
-    engine->source_count = engine->next_source = 0;
+    engine->source_count = engine->last_source = 0;
     engine->vectors_known = false;
 }
