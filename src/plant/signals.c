@@ -241,8 +241,10 @@ enum dea_status dea_plant_energy(struct dea_plant *plant, struct dea_energy *ene
     /* total exchanged: what went in and out over the steps, or, when nothing is driven, what moved inside */
     energy->exchanged = fmax(fmax(plant->moved, plant->kinetic), fmax(fabs(energy->stored), energy->dissipated));
     double gap = fabs(energy->in - energy->stored - energy->dissipated);
-    /* differences of stored energies are not known better than this; a run that moves less is at rest */
-    double resolved = 1e-10 * fabs(plant->stored_at_start);
-    energy->imbalance = gap > 0.0 ? gap / fmax(energy->exchanged, resolved) : 0.0;
+    /* differences of stored energies are not known better than this; a run that moves less is at rest, and one whose
+     * gap is rounding of what it stores has none */
+    double whole = fabs(plant->stored_at_start), resolved = 1e-10 * whole;
+    bool rounding = gap <= 1e-14 * whole && energy->exchanged <= 1e-12 * whole;
+    energy->imbalance = rounding || gap <= 0.0 ? 0.0 : gap / fmax(energy->exchanged, resolved);
     return DEA_OK;
 }

@@ -88,6 +88,11 @@ static void test_small_and_slow_energy(void **context) {
             fail_msg("%g Hz: energy gap %g", slow[i], run.result.energy.imbalance);
         capture_free(&run);
     }
+    build_random_scene(&s, 5); /* a constant voltage: nothing moves */
+    struct capture rest;
+    capture_run(&s.scene, 1e-4, SAMPLES, &rest);
+    assert_true(rest.result.energy.imbalance == 0.0);
+    capture_free(&rest);
     build_scene(&s, SCENE_RC_STEP); /* stopped long before the step has charged the film */
     s.scene.sources[0].resistance = 1e9;
     s.scene.stop = 1e-6;
