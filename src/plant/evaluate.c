@@ -94,6 +94,10 @@ double plant_velocity(const struct dea_plant *plant, const double *y, const doub
     return plant->motion == MOTION_VISCOUS ? yp[plant->x] * plant->scale[plant->x] : 0.0;
 }
 
+double plant_pace(const struct dea_plant *plant, const double *y, const double *yp) {
+    return plant->v != ABSENT ? y[plant->v] * plant->scale[plant->v] : yp[plant->x] * plant->scale[plant->x];
+}
+
 void plant_rates(const struct dea_plant *plant, double t, const double *y, double *rates) {
     const struct dea_device *device = plant->device;
     const double *scale = plant->scale;

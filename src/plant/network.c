@@ -315,7 +315,7 @@ enum dea_status plant_network_settle(struct dea_plant *plant, struct dea_error *
             return dea_fail(error, DEA_ERR_SOLVER,
                             "t = %.9g s: the circuit's equations cannot be solved at a corner: %s", plant->t,
                             plant->trouble != NULL ? plant->trouble : "Newton's method did not converge");
-        double velocity = plant_velocity(plant, N_VGetArrayPointer(plant->y), N_VGetArrayPointer(plant->yp));
+        double velocity = plant_pace(plant, N_VGetArrayPointer(plant->y), N_VGetArrayPointer(plant->yp));
         if (plant_quadrature_rates(plant, plant->t, N_VGetArrayPointer(plant->y), velocity, losses) != DEA_OK)
             return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state left the model", plant->t);
         for (int i = 0; i < LOSS_COUNT; i++)

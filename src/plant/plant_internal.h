@@ -146,13 +146,15 @@ void plant_rates(const struct dea_plant *plant, double t, const double *y, doubl
 void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses);
 /* Velocity of the platform from the unknowns (m/s); `yp` serves the massless cases. */
 double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp);
+/* The same where 0 will not do for a platform without mass and damping, which only the integrator's derivative knows. */
+double plant_pace(const struct dea_plant *plant, const double *y, const double *yp);
 /* d(lam)/dt of an electroded zone, 1/s. Uses the last evaluation, with derivatives. */
 double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x);
 /* dx/dt of a massless, undamped platform, from the derivative of the force balance. Uses the last evaluation. */
 double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);
 
 /* jacobian.c */
-/* Loss rates at a state, evaluating it. */
+/* Loss rates at a state and the platform's velocity (m/s), evaluating it. */
 enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const double *y, double velocity,
                                        double *losses);
 enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *error);

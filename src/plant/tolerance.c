@@ -151,14 +151,28 @@ static double norm(const struct dea_plant *plant, const double *u, const double 
     return sqrt(sum);
 }
 
+/* Loss rates from the state alone: the integrator has no derivatives of a massless platform yet. */
+static enum dea_status foresee_losses(struct dea_plant *plant, double t, const double *y, const double *yp,
+                                      double *losses) {
+    double velocity = plant_velocity(plant, y, yp);
+    if (plant->v == ABSENT) {
+        double *rates = N_VGetArrayPointer(plant->rates);
+        DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
+        plant_rates(plant, t, y, rates);
+        velocity = plant->motion == MOTION_ALGEBRAIC ? plant_algebraic_rate(plant, t, rates)
+                                                     : plant->force / plant->device->damping;
+    }
+    return plant_quadrature_rates(plant, t, y, velocity, losses);
+}
+
 /* Shortens a first step until its error in the loss integrals, h^2/2 of the change of their rates, is in order. */
 static double limit_by_losses(struct dea_plant *plant, double h) {
     const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
     double *later = N_VGetArrayPointer(plant->sample_y), now[LOSS_COUNT], then[LOSS_COUNT], change = 0.0;
     for (int j = 0; j < plant->state_count; j++)
         later[j] = y[j] + h * yp[j];
-    if (plant_quadrature_rates(plant, plant->t, y, plant_velocity(plant, y, yp), now) != DEA_OK ||
-        plant_quadrature_rates(plant, plant->t + h, later, plant_velocity(plant, later, yp), then) != DEA_OK)
+    if (foresee_losses(plant, plant->t, y, yp, now) != DEA_OK ||
+        foresee_losses(plant, plant->t + h, later, yp, then) != DEA_OK)
         return h;
     for (int i = 0; i < LOSS_COUNT; i++)
         change = fmax(change, fabs(then[i] - now[i]));

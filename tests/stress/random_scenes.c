@@ -2,7 +2,9 @@
  * the accuracy and the displacement confirmed by a run at a tenth of it; or exit 2 or 3 with a reason. Not allowed: a
  * crash, a hang, a number that is none, a silent error.
  *
- * usage: random_scenes PROGRAM MODELS COUNT SEED [FOLDER]     prints the seeds that fail, then "N passed, N failed" */
+ * usage: random_scenes PROGRAM MODELS COUNT SEED [FOLDER [linear]]
+ * prints the seeds that fail, then "N passed, N failed"; with `linear`, seeds whose netlist has diodes or switches are
+ * left out */
 #include <cjson/cJSON.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -57,6 +59,7 @@ static int pick(int count) {
 struct design {
     double thickness, stop, volts;
     bool zones[2], electrodes[2];
+    bool nonlinear; /* netlist */
 };
 
 static void write_law(FILE *file) {
@@ -168,7 +171,7 @@ static void write_native(FILE *file, const struct design *design) {
 }
 
 /* One arm of a netlist from a source to an electrode: a chain of stages. */
-static void write_arm(FILE *file, const struct design *design, const char *node) {
+static void write_arm(FILE *file, struct design *design, const char *node) {
     double t = design->stop, edge = t * magnitude(1e-5, 1e-2);
     fprintf(file, "V%s %s_0 0 ", node, node);
     if (maybe(0.6))
@@ -191,10 +194,12 @@ static void write_arm(FILE *file, const struct design *design, const char *node)
                     magnitude(1e3, 1e6));
             break;
         case 2: /* rectifier and bleed */
+            design->nonlinear = true;
             fprintf(file, "D%s %s %s_m DHV\nR%s %s_m %s 10k\nRb%s %s 0 %.6g\n", to, from, to, to, to, to, to, to,
                     magnitude(1e7, 1e9));
             break;
         case 3: /* switch */
+            design->nonlinear = true;
             fprintf(file, "S%s %s %s clk 0 SHV\nRb%s %s 0 %.6g\n", to, from, to, to, to, magnitude(1e7, 1e10));
             break;
         default:
@@ -204,7 +209,7 @@ static void write_arm(FILE *file, const struct design *design, const char *node)
     fprintf(file, "Cc%s %s 0 %.6g\n", node, node, magnitude(1e-12, 1e-9));
 }
 
-static void write_netlist(FILE *file, const struct design *design) {
+static void write_netlist(FILE *file, struct design *design) {
     fprintf(file,
             "random drive\n.model DHV D(IS=1e-12 RS=10 CJO=2p)\n.model SHV SW(VT=0.5 VH=0.1 RON=10k ROFF=1e12)\n");
     fprintf(file, "Vclk clk 0 PULSE(0 1 %.6g %.6g %.6g %.6g %.6g)\nRclk clk 0 1k\n", 0.1 * design->stop,
@@ -218,7 +223,7 @@ static void write_netlist(FILE *file, const struct design *design) {
             design->stop / 500.0, design->stop);
 }
 
-static bool write_scene(const char *folder, const char *models, long seed) {
+static bool write_scene(const char *folder, const char *models, long seed, bool *nonlinear) {
     char path[512];
     struct design design = {0};
     chance_state = (uint64_t)seed * 0x2545f4914f6cdd1du + 1;
@@ -247,6 +252,7 @@ static bool write_scene(const char *folder, const char *models, long seed) {
     fprintf(file, "transient: {stop: %.6g}\nevents: {breakdown: %s, slack: warn}\n", design.stop,
             maybe(0.3) ? "stop" : "warn");
     fprintf(file, "output: {formats: [csv], signals: [x]}\n");
+    *nonlinear = design.nonlinear;
     return fclose(file) == 0 && written;
 }
 
@@ -418,12 +424,13 @@ static void remove_folder(const char *folder) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 5 || argc > 6) {
-        fprintf(stderr, "usage: %s PROGRAM MODELS COUNT SEED [FOLDER]\n", argv[0]);
+    bool only_linear = argc == 7 && strcmp(argv[6], "linear") == 0;
+    if (argc < 5 || argc > 7 || (argc == 7 && !only_linear)) {
+        fprintf(stderr, "usage: %s PROGRAM MODELS COUNT SEED [FOLDER [linear]]\n", argv[0]);
         return 2;
     }
     long count = strtol(argv[3], NULL, 10), first = strtol(argv[4], NULL, 10), done = 0, refused = 0, gave_up = 0,
-         failed = 0;
+         failed = 0, judged = 0;
     const char *folder = argc > 5 ? argv[5] : "stress";
     if (mkdir(folder, 0755) != 0 && errno != EEXIST) {
         fprintf(stderr, "%s: %s\n", folder, strerror(errno));
@@ -431,11 +438,17 @@ int main(int argc, char **argv) {
     }
     for (long seed = first; seed < first + count; seed++) {
         char place[400], why[400];
+        bool nonlinear;
         snprintf(place, sizeof place, "%s/%ld", folder, seed);
-        if ((mkdir(place, 0755) != 0 && errno != EEXIST) || !write_scene(place, argv[2], seed)) {
+        if ((mkdir(place, 0755) != 0 && errno != EEXIST) || !write_scene(place, argv[2], seed, &nonlinear)) {
             fprintf(stderr, "%s cannot be written\n", place);
             return 2;
         }
+        if (only_linear && nonlinear) {
+            remove_folder(place);
+            continue;
+        }
+        judged++;
         struct outcome run, finer = {.code = -1};
         run_program(argv[1], place, ACCURACY, "run", &run);
         if (run.code == 0)
@@ -455,8 +468,8 @@ int main(int argc, char **argv) {
         clear_outcome(&finer);
     }
     printf("%ld done, %ld refused with a reason, %ld gave up with a reason\n%ld passed, %ld failed\n", done, refused,
-           gave_up, count - failed, failed);
-    if (2 * done < count)
+           gave_up, judged - failed, failed);
+    if (2 * done < judged)
         printf("most scenes did not run: the generator and the program no longer fit\n");
-    return failed > 0 || 2 * done < count;
+    return failed > 0 || 2 * done < judged;
 }
