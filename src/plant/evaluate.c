@@ -1,4 +1,5 @@
 /* The physics of a state: each zone's film, currents, the force on the platform, rates of change and of energy. */
+#include "plant/amplifier.h"
 #include "plant/integrator.h"
 #include "plant/network.h"
 
@@ -23,13 +24,14 @@ void plant_leak_through_film(const struct dea_plant *plant, int k, struct zone_p
 void plant_drive_current(const struct dea_plant *plant, int k, struct zone_point *point) {
     const struct dea_plant_port *port = &plant->options.ports[k];
     double slope, resistance = port->resistance + dea_zone_resistance(plant->device, k, point->film.lam, &slope);
-    point->current = (point->emf - point->film.voltage) / resistance;
+    point->demand = point->current = (point->emf - point->film.voltage) / resistance;
     point->current_v = -1.0 / resistance;
     point->current_emf = 1.0 / resistance;
     point->current_lam = -point->current * slope / resistance;
     double limit = port->amplifier != NULL ? port->amplifier->current_limit : INFINITY;
-    if (fabs(point->current) > limit) {
-        point->current = copysign(limit, point->current);
+    int index = plant->zones[k].current_limit;
+    if (plant_limit_holds(plant, index, point->demand, limit)) {
+        point->current = plant_hold_limit(plant, index, point->demand, limit);
         point->current_v = point->current_emf = point->current_lam = 0.0;
     }
 }
@@ -119,7 +121,8 @@ void plant_rates(const struct dea_plant *plant, double t, const double *y, doubl
         if (zone->amplifier != ABSENT) {
             double command = dea_piece_value(&plant->inputs.source[k], t, NULL);
             double rate = zone->pole * (command - point->emf);
-            rates[zone->amplifier] = fmax(-zone->slew, fmin(zone->slew, rate)) / scale[zone->amplifier];
+            rates[zone->amplifier] =
+                plant_hold_limit(plant, zone->slew_limit, rate, zone->slew) / scale[zone->amplifier];
         }
         if (zone->charge != ABSENT)
             rates[zone->charge] = (point->current - point->leak) / scale[zone->charge];

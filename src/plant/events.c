@@ -1,5 +1,6 @@
 /* Failure measures of physics.md section 8 as functions that are positive while all is well; IDA locates their zeros in
  * time. */
+#include "plant/amplifier.h"
 #include "plant/integrator.h"
 
 #include <float.h>
@@ -66,25 +67,26 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
     plant->rates_now = up;
     if (plant_evaluate(plant, t, u, plant_velocity(plant, u, up), false) != DEA_OK)
         return 1;
-    for (int i = 0; i < plant->root_count; i++) {
+    for (int i = 0; i < plant->event_count; i++) {
         double value = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
         if (plant->violated[i])
             value -= HYSTERESIS;
         values[i] = value != 0.0 ? value : DBL_MIN; /* IDA cannot leave a function that stays at 0 */
     }
+    plant_limit_roots(plant, t, up, values + plant->event_count);
     return 0;
 }
 
 static void add_root(struct dea_plant *plant, enum dea_event_kind kind, int zone, int sign) {
-    plant->roots[plant->root_count].kind = kind;
-    plant->roots[plant->root_count].zone = zone;
-    plant->roots[plant->root_count].sign = sign;
-    plant->root_count++;
+    plant->roots[plant->event_count].kind = kind;
+    plant->roots[plant->event_count].zone = zone;
+    plant->roots[plant->event_count].sign = sign;
+    plant->event_count++;
 }
 
 enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct dea_error *error) {
     const struct dea_device *device = plant->device;
-    plant->root_count = 0;
+    plant->event_count = 0;
     memset(plant->violated, 0, sizeof plant->violated);
     for (int kind = 0; kind < DEA_EVENT_COUNT; kind++) {
         if (!(kinds & 1u << kind))
@@ -105,13 +107,17 @@ enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct 
             }
         }
     }
-    if (IDARootInit(plant->ida, plant->root_count, plant->root_count > 0 ? plant_root_functions : NULL) != IDA_SUCCESS)
+    int directions[MAX_EVENTS + MAX_LIMITS] = {0}, count = plant->event_count + plant->limit_count;
+    for (int i = plant->event_count; i < count; i++)
+        directions[i] = -1;
+    if (IDARootInit(plant->ida, count, count > 0 ? plant_root_functions : NULL) != IDA_SUCCESS ||
+        (count > 0 && IDASetRootDirection(plant->ida, directions) != IDA_SUCCESS))
         return dea_fail(error, DEA_ERR_INTERNAL, "cannot set up the root functions of the events");
     return DEA_OK;
 }
 
 void dea_plant_roots(struct dea_plant *plant, dea_event_found found, void *context) {
-    for (int i = 0; i < plant->root_count; i++) {
+    for (int i = 0; i < plant->event_count; i++) {
         if (plant->root_hits[i] == 0)
             continue;
         plant->violated[i] = plant->root_hits[i] < 0;
@@ -120,10 +126,10 @@ void dea_plant_roots(struct dea_plant *plant, dea_event_found found, void *conte
 }
 
 void dea_plant_conditions(struct dea_plant *plant, dea_event_found found, void *context) {
-    double values[MAX_ROOTS];
+    double values[MAX_EVENTS + MAX_LIMITS];
     if (plant_root_functions(plant->t, plant->y, plant->yp, values, plant) != 0)
         return; /* outside the model: the next step says so */
-    for (int i = 0; i < plant->root_count; i++) {
+    for (int i = 0; i < plant->event_count; i++) {
         bool violated = values[i] < 0.0;
         if (violated != plant->violated[i]) {
             plant->violated[i] = violated;

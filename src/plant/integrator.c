@@ -1,5 +1,6 @@
 /* SUNDIALS IDA around the plant: set-up, steps, restarts, statistics, and words for its failures. */
 #include "plant/integrator.h"
+#include "plant/amplifier.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -84,8 +85,10 @@ enum dea_status dea_plant_create(const struct dea_device *device, const struct d
     for (int k = 0; k < DEA_ZONES; k++)
         plant->inputs.source[k].end = INFINITY;
     enum dea_status status = plant_lay_out(plant, error);
-    if (status == DEA_OK)
+    if (status == DEA_OK) {
+        plant_list_limits(plant);
         plant_set_tolerance(plant);
+    }
     if (status == DEA_OK && SUNContext_Create(NULL, &plant->context) != 0)
         status = dea_fail(error, DEA_ERR_MEMORY, "cannot create the SUNDIALS context");
     if (status == DEA_OK && !make_vectors(plant))
@@ -94,6 +97,8 @@ enum dea_status dea_plant_create(const struct dea_device *device, const struct d
         status = plant_make_matrix(plant, error);
     if (status == DEA_OK)
         status = set_up_ida(plant, error);
+    if (status == DEA_OK)
+        status = dea_plant_watch(plant, 0, error);
     if (status != DEA_OK) {
         dea_plant_destroy(plant);
         return status;
@@ -315,16 +320,29 @@ enum dea_status plant_free_order(struct dea_plant *plant, struct dea_error *erro
     return DEA_OK;
 }
 
+/* Roots of events are the caller's, those of limits our own. */
+static enum dea_status note_roots(struct dea_plant *plant, bool found, bool *event, struct dea_error *error) {
+    if (found && IDAGetRootInfo(plant->ida, plant->root_hits) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no information on the event", plant->t);
+    for (int i = 0; found && i < plant->event_count; i++)
+        *event = *event || plant->root_hits[i] != 0;
+    if (plant_note_limits(plant, found ? plant->root_hits + plant->event_count : NULL) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state left the model", plant->t);
+    return DEA_OK;
+}
+
 enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea_step *step, struct dea_error *error) {
     double reached = plant->t, quad_time;
     DEA_TRY(lower_order(plant, error));
+    if (plant_limits_turn(plant))
+        DEA_TRY(plant_turn_over(plant, error));
     if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);
     const char *earlier = plant->trouble;
     plant->trouble = NULL;
     DEA_TRY(choose_first_step(plant, limit, error));
     int flag = IDASolve(plant->ida, limit, &reached, plant->y, plant->yp, IDA_ONE_STEP);
-    if (flag == IDA_ILL_INPUT && plant->root_count > 0 && plant->integrating) {
+    if (flag == IDA_ILL_INPUT && plant->event_count + plant->limit_count > 0 && plant->integrating) {
         /* a root right after the last one (an extreme that just touches a limit): IDA wants a fresh start from here */
         DEA_TRY(plant_restart_integrator(plant, error));
         if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
@@ -357,10 +375,8 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
     }
     if (plant->standstill > MAX_STANDSTILL || crawling)
         return report_failure(plant, "the run is not advancing any more", flag, error);
-    *step = (struct dea_step){plant->t_previous, plant->t, flag == IDA_ROOT_RETURN};
-    if (step->root && IDAGetRootInfo(plant->ida, plant->root_hits) != IDA_SUCCESS)
-        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no information on the event", reached);
-    return DEA_OK;
+    *step = (struct dea_step){plant->t_previous, plant->t, false};
+    return note_roots(plant, flag == IDA_ROOT_RETURN, &step->root, error);
 }
 
 double dea_plant_time(const struct dea_plant *plant) {

@@ -7,6 +7,9 @@
 /* All orders again, after order 2 for a quiet platform: the inputs change. */
 enum dea_status plant_free_order(struct dea_plant *plant, struct dea_error *error);
 
+/* start.c: the amplifiers' limits begin or end to hold, the run goes on from there. */
+enum dea_status plant_turn_over(struct dea_plant *plant, struct dea_error *error);
+
 /* Puts IDA to (t, y, yp) with the quadratures as they stand, first order, no history. */
 enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_error *error);
 

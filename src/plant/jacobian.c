@@ -1,6 +1,7 @@
 /* The analytic Jacobian dF/dy + cj dF/dy', written straight into the matrix: dense for few unknowns, compressed columns
  * and KLU for many. In the taut state branches meet only through x and the charge (an arrow); a slack film ties all
  * branches of its zone together through its natural stretch, so the sparse pattern has a taut and a slack form. */
+#include "plant/amplifier.h"
 #include "plant/network.h"
 
 #include <math.h>
@@ -220,7 +221,8 @@ static void add_charge(const struct dea_plant *plant, int k, double *data, doubl
 static void add_amplifier(const struct dea_plant *plant, int k, double t, double *data, double cj) {
     const struct zone_layout *zone = &plant->zones[k];
     double command = dea_piece_value(&plant->inputs.source[k], t, NULL);
-    bool slewing = fabs(zone->pole * (command - plant->points[k].emf)) > zone->slew;
+    double rate = zone->pole * (command - plant->points[k].emf);
+    bool slewing = plant_limit_holds(plant, zone->slew_limit, rate, zone->slew);
     add(plant, data, zone->amplifier, zone->amplifier, slewing ? cj : cj + zone->pole);
 }
 

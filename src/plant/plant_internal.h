@@ -10,7 +10,7 @@
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
-enum { ABSENT = -1, MAX_ROOTS = DEA_EVENT_COUNT * (DEA_ZONES + 1) };
+enum { ABSENT = -1, MAX_EVENTS = DEA_EVENT_COUNT * (DEA_ZONES + 1), MAX_LIMITS = 2 * DEA_ZONES };
 
 /* Parts of the energy balance carried as quadratures. */
 enum plant_loss {
@@ -36,12 +36,23 @@ struct zone_layout {
     bool present;
     enum dea_port_kind kind;
     enum dea_control control;
-    bool resistive; /* an electrode resistance lies between the pins and the film */
-    int branch;     /* first of 2 branch_count states */
-    int charge;     /* film charge */
-    int amplifier;  /* commanded voltage behind slew limit and pole */
-    double pole;    /* of the amplifier, rad/s */
-    double slew;    /* V/s */
+    bool resistive;                /* an electrode resistance lies between the pins and the film */
+    int branch;                    /* first of 2 branch_count states */
+    int charge;                    /* film charge */
+    int amplifier;                 /* commanded voltage behind slew limit and pole */
+    double pole;                   /* of the amplifier, rad/s */
+    double slew;                   /* V/s */
+    int current_limit, slew_limit; /* which of the plant's limits */
+};
+
+/* A limit of an amplifier, and whether it holds for now: 0 not, 1 or -1 upwards or downwards. */
+enum { LIMIT_UNDECIDED = 2 }; /* wherever it is exceeded */
+struct held_limit {
+    int zone;
+    bool of_slew; /* of the commanded voltage's rate; otherwise of the current */
+    int held;
+    bool turns;      /* begins or ends to hold with the next step */
+    double demanded; /* what is limited, in units of the limit, when it turned */
 };
 
 /* One zone evaluated at a state. Partial derivatives of the film current are at fixed charge/voltage and stretch. */
@@ -53,6 +64,7 @@ struct zone_point {
     double emf;         /* V behind the series resistance */
     double emf_rate;    /* V/s, for an imposed emf */
     double current;     /* into the port, A */
+    double demand;      /* the same without the amplifier's limit, A */
     double leak;        /* through the film, A */
     double charge_rate; /* dQ/dt of an imposed voltage or charge, A; for the signals */
     double current_v, current_emf, current_lam; /* derivatives of current */
@@ -100,14 +112,16 @@ struct dea_plant {
     bool integrating;    /* IDA holds a valid history */
 
     /* events */
-    int root_count;
+    int event_count;
     struct {
         enum dea_event_kind kind;
         int zone;
         int sign;
-    } roots[MAX_ROOTS];
-    int root_hits[MAX_ROOTS];
-    bool violated[MAX_ROOTS]; /* as last told to the caller */
+    } roots[MAX_EVENTS];
+    int root_hits[MAX_EVENTS + MAX_LIMITS]; /* those of the limits behind those of the events */
+    bool violated[MAX_EVENTS];              /* as last told to the caller */
+    int limit_count;
+    struct held_limit limits[MAX_LIMITS];
 
     /* audit */
     double stored_at_start;     /* J */
@@ -146,7 +160,8 @@ void plant_rates(const struct dea_plant *plant, double t, const double *y, doubl
 void plant_losses(const struct dea_plant *plant, double t, double x, double rate_x, double *losses);
 /* Velocity of the platform from the unknowns (m/s); `yp` serves the massless cases. */
 double plant_velocity(const struct dea_plant *plant, const double *y, const double *yp);
-/* The same where 0 will not do for a platform without mass and damping, which only the integrator's derivative knows. */
+/* The same where 0 will not do for a platform without mass and damping, which only the integrator's derivative knows.
+ */
 double plant_pace(const struct dea_plant *plant, const double *y, const double *yp);
 /* d(lam)/dt of an electroded zone, 1/s. Uses the last evaluation, with derivatives. */
 double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x);

@@ -30,9 +30,9 @@ enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const 
     return DEA_OK;
 }
 
-/* The velocity of a massless platform is the integrator's derivative: as good as its positions. From the forces it would
- * be better only while steps are shorter than every time constant; behind a stiff charge, branch or damper they hand on
- * Newton's leftovers and rounding, magnified by step over time constant, and the books with them. */
+/* The velocity of a massless platform is the integrator's derivative: as good as its positions. From the forces it
+ * would be better only while steps are shorter than every time constant; behind a stiff charge, branch or damper they
+ * hand on Newton's leftovers and rounding, magnified by step over time constant, and the books with them. */
 int plant_quadrature(sunrealtype t, N_Vector y, N_Vector yp, N_Vector rates, void *context) {
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);

@@ -1,5 +1,6 @@
 /* Consistent states: the static start, and restarts where inputs jump. Closed forms give every derivative, so IDACalcIC
  * and its guesses are not needed. */
+#include "plant/amplifier.h"
 #include "plant/integrator.h"
 #include "plant/network.h"
 
@@ -249,6 +250,7 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
                                 enum dea_start start, const double *x, const double *v, struct dea_error *error) {
     plant->inputs = *inputs;
     plant->trouble = NULL;
+    plant_release_limits(plant);
     plant->t = plant->t_previous = t;
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
     double position;
@@ -260,10 +262,12 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
     else
         DEA_TRY(find_rest(&task, x, &position, error));
     store_rest(plant, &task, position, v != NULL ? *v : 0.0);
-    if (plant->network == ABSENT)
+    if (plant->network == ABSENT) {
         DEA_TRY(make_consistent(plant, error));
-    else if (plant_evaluate(plant, t, N_VGetArrayPointer(plant->y), 0.0, true) != DEA_OK)
+        plant_choose_limits(plant);
+    } else if (plant_evaluate(plant, t, N_VGetArrayPointer(plant->y), 0.0, true) != DEA_OK) {
         return dea_fail(error, DEA_ERR_SOLVER, "the start is outside the model");
+    }
     return plant_open_books(plant, error);
 }
 
@@ -332,11 +336,22 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
 enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
                                   struct dea_error *error) {
     plant->trouble = NULL;
+    plant_release_limits(plant);
     if (book_jump(plant, inputs) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the jump of the drive leaves the model: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
     plant->inputs = *inputs;
     plant->stats.restarts++;
     DEA_TRY(plant_free_order(plant, error));
+    DEA_TRY(make_consistent(plant, error));
+    plant_choose_limits(plant);
+    return DEA_OK;
+}
+
+enum dea_status plant_turn_over(struct dea_plant *plant, struct dea_error *error) {
+    if (plant_turn_limits(plant) != DEA_OK)
+        return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state is outside the model: %s", plant->t,
+                        plant->trouble != NULL ? plant->trouble : "unknown reason");
+    plant->stats.restarts++;
     return make_consistent(plant, error);
 }
