@@ -10,8 +10,8 @@
 
 #define OVERSTEP 1e-9 /* beyond a limit by this part and not located: changed at the end of the step */
 
-/* What a limit bounds, in units of the limit; with `yp` as the integrator knows it, which says more than a difference of
- * two voltages all but equal. */
+/* What a limit bounds, in units of the limit; with `yp` as the integrator knows it, which says more than a difference
+ * of two voltages all but equal. */
 static double demand_current(const struct dea_plant *plant, int k, const double *yp) {
     const struct zone_layout *zone = &plant->zones[k];
     const struct zone_point *point = &plant->points[k];
@@ -45,7 +45,8 @@ void plant_list_limits(struct dea_plant *plant) {
             continue;
         if (plant->zones[k].amplifier != ABSENT && !isinf(plant->zones[k].slew)) {
             plant->zones[k].slew_limit = plant->limit_count;
-            plant->limits[plant->limit_count++] = (struct held_limit){.zone = k, .of_slew = true, .held = LIMIT_UNDECIDED};
+            plant->limits[plant->limit_count++] =
+                (struct held_limit){.zone = k, .of_slew = true, .held = LIMIT_UNDECIDED};
         }
         if (!isinf(amplifier->current_limit)) {
             plant->zones[k].current_limit = plant->limit_count;

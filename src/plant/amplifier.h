@@ -11,7 +11,8 @@ void plant_list_limits(struct dea_plant *plant);
 double plant_hold_limit(const struct dea_plant *plant, int index, double value, double limit);
 bool plant_limit_holds(const struct dea_plant *plant, int index, double value, double limit);
 
-/* At a restart: limits hold wherever they are exceeded, then as the consistent state has it (uses the last evaluation). */
+/* At a restart: limits hold wherever they are exceeded, then as the consistent state has it (uses the last evaluation).
+ */
 void plant_release_limits(struct dea_plant *plant);
 void plant_choose_limits(struct dea_plant *plant);
 
