@@ -27,6 +27,8 @@ struct dea_complaints {
     int expect_detail;    /* lines to come that belong to the error before */
     bool exit_requested;  /* ControlledExit: ngspice is unusable from now on */
     bool aborted;         /* the transient ended early */
+    bool misread;         /* ngspice took the circuit but not a value in it: bad input, found late */
+    bool searching;       /* for the trouble behind a failed start: errors are no news, only `worst` counts */
     bool measuring;       /* between "Measurements for ..." and the end of the run */
     char worst[128];      /* unknown ngspice names as the trouble */
     char singular[128];   /* node of the last singular matrix */
@@ -80,6 +82,7 @@ struct dea_engine {
     long tiny_steps;     /* candidates in a row below the collapse limit */
     double window_start; /* time when the current window of candidates began, s */
     long window_first;
+    int search_steps; /* candidates a search for trouble may still take */
     struct dea_engine_stats stats;
 
     struct dea_complaints complaints;
@@ -103,6 +106,9 @@ void dea_engine_fill_samples(struct dea_engine *engine, const vecvaluesall *valu
 /* Takes one line of ngspice's output. */
 void dea_engine_hear(struct dea_engine *engine, const char *line);
 void dea_engine_clear_complaints(struct dea_engine *engine);
+/* Points the complaint at the line of a node or element named as ngspice does: "left", "xarm.mid", "l1#branch",
+ * `node "b"`; at none when it is not found. */
+void dea_engine_place_complaint(struct dea_engine *engine, const char *name);
 /* Fails with `what`, the collected errors and `tail` (may be NULL), "file:line: " in front where known. */
 enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_status status, const char *what,
                                     const char *tail, struct dea_error *error);

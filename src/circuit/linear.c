@@ -84,8 +84,17 @@ static enum dea_status stamp(struct reader *reader, bool capacitive, int row, in
     return DEA_OK;
 }
 
+/* Current can flow at rest between the two nodes. */
+static enum dea_status join(struct reader *reader, int p, int n) {
+    if (!dea_islands_join(&reader->islands, p, n))
+        return dea_fail(reader->error, DEA_ERR_MEMORY, "out of memory for the circuit's nodes");
+    return DEA_OK;
+}
+
 /* Admittance between two nodes. */
 static enum dea_status stamp_pair(struct reader *reader, bool capacitive, int p, int n, double value) {
+    if (!capacitive)
+        DEA_TRY(join(reader, p, n));
     DEA_TRY(stamp(reader, capacitive, p, p, value));
     DEA_TRY(stamp(reader, capacitive, n, n, value));
     DEA_TRY(stamp(reader, capacitive, p, n, -value));
@@ -94,6 +103,7 @@ static enum dea_status stamp_pair(struct reader *reader, bool capacitive, int p,
 
 /* A branch current between two nodes, and their difference in the branch's row. */
 static enum dea_status stamp_branch(struct reader *reader, int p, int n, int branch) {
+    DEA_TRY(join(reader, p, n));
     DEA_TRY(stamp(reader, false, p, branch, 1.0));
     DEA_TRY(stamp(reader, false, n, branch, -1.0));
     DEA_TRY(stamp(reader, false, branch, p, 1.0));
@@ -355,6 +365,16 @@ static enum dea_status read_pass(struct reader *reader, const struct dea_listing
     return DEA_OK;
 }
 
+/* Without a DC path to ground there may be no operating point, which ngspice explains better. A path that only
+ * controlled current sources make does not count here: such a circuit is merely solved the slower way. */
+static void check_ground(struct reader *reader, char *why, size_t why_size) {
+    int floating = dea_islands_find_floating(&reader->islands, reader->network->node_count);
+    if (!reader->linear || floating < 0)
+        return;
+    reader->linear = false;
+    snprintf(why, why_size, "node %s has no DC path to ground", reader->network->names[floating]);
+}
+
 /* Branch rows go behind the nodes, now that their number is known. */
 static enum dea_status number_branches(struct reader *reader) {
     struct dea_network *network = reader->network;
@@ -438,8 +458,11 @@ enum dea_status dea_linear_read(const struct dea_listing *listing, const struct 
     for (int pass = 0; pass < 2 && status == DEA_OK; pass++)
         status = read_pass(&reader, listing, netlist, 2 * port_count, pass == 1, why, why_size);
     if (status == DEA_OK)
+        check_ground(&reader, why, why_size);
+    if (status == DEA_OK)
         status = number_branches(&reader);
     *linear = reader.linear;
+    dea_islands_clear(&reader.islands);
     for (int i = 0; i < reader.branch_count; i++)
         free(reader.branches[i].name);
     free(reader.branches);

@@ -2,6 +2,7 @@
 #ifndef DEASIM_CIRCUIT_LINEAR_INTERNAL_H
 #define DEASIM_CIRCUIT_LINEAR_INTERNAL_H
 
+#include "circuit/islands.h"
 #include "circuit/linear.h"
 #include "circuit/netlist_internal.h"
 
@@ -26,8 +27,9 @@ struct reader {
     struct dea_network *network;
     struct branch *branches; /* owned */
     int branch_count;
-    char *line;   /* owned copy of the present line, cut into words */
-    char **words; /* owned */
+    struct dea_islands islands; /* of what conducts at rest */
+    char *line;                 /* owned copy of the present line, cut into words */
+    char **words;               /* owned */
     int word_count;
     double step, stop;
     bool linear;

@@ -59,6 +59,42 @@ static int find_called_line(const struct dea_engine *engine, const char *text) {
     return -1;
 }
 
+/* The netlist line that begins with, or else the first element that holds, a word; -1 when none does. */
+static int find_word(const struct dea_netlist *netlist, const char *word, bool element) {
+    for (int i = 1; i < netlist->line_count; i++) {
+        const char *cursor = netlist->lines[i].text;
+        char token[DEA_TOKEN_MAX];
+        if (!netlist->lines[i].passed || cursor[0] == '.' || !dea_netlist_token(&cursor, token))
+            continue;
+        if (element && strcmp(token, word) == 0)
+            return i;
+        while (!element && dea_netlist_token(&cursor, token))
+            if (strcmp(token, word) == 0)
+                return i;
+    }
+    return -1;
+}
+
+void dea_engine_place_complaint(struct dea_engine *engine, const char *name) {
+    const char *quoted = strchr(name, '"'), *instance = strstr(name, "instance ");
+    const char *start = quoted != NULL ? quoted + 1 : instance != NULL ? instance + strlen("instance ") : name;
+    char word[DEA_TOKEN_MAX];
+    size_t length = strcspn(start, "\" \t");
+    snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), start);
+    char *branch = strchr(word, '#'), *dot = strchr(word, '.');
+    bool element = branch != NULL || dot != NULL || instance != NULL;
+    if (branch != NULL)
+        *branch = '\0';
+    const char *first = word;
+    if (dot != NULL && dot == word + 1 && strchr(dot + 1, '.') != NULL) { /* "l.xarm.l1": the kind, then the call */
+        first = dot + 1;
+        dot = strchr(first, '.');
+    }
+    if (dot != NULL)
+        *dot = '\0'; /* inside a subcircuit: its outermost call */
+    engine->complaints.place = find_word(engine->netlist, first, element);
+}
+
 /* The netlist line of a deck line number in the message, -1 when there is none. */
 static int find_numbered_line(const struct dea_engine *engine, const char *text) {
     static const char *const leads[] = {"ine no. ", "n line "};
@@ -170,7 +206,11 @@ static void hear_error(struct dea_engine *engine, const char *text) {
     const char *trouble = strstr(text, "trouble with ");
     if (trouble != NULL)
         snprintf(complaints->worst, sizeof complaints->worst, "%s", trouble + strlen("trouble with "));
+    if (complaints->searching)
+        return;
     complaints->aborted = complaints->aborted || engine->running;
+    complaints->misread = complaints->misread || begins(text, "Fatal error: ") ||
+                          strstr(text, "parameter value out of range or the wrong type") != NULL;
     if (begins(text, "Error on line") || begins(text, "warning, can't find model"))
         complaints->expect_detail = begins(text, "Error") ? 2 : 1;
     if (is_empty_talk(text)) {

@@ -146,16 +146,17 @@ static enum dea_status vet_file_parameters(struct dea_netlist_job *job, int inde
     return DEA_OK;
 }
 
-/* Models that start programs or load libraries. */
+/* Models that start programs or load libraries, however their type is quoted. */
 static enum dea_status vet_model(struct dea_netlist_job *job, int index) {
     static const char *const refused[] = {"d_process", "d_cosim"};
-    const char *cursor = job->netlist->lines[index].text;
+    const char *text = job->netlist->lines[index].text, *cursor = text;
     char token[DEA_TOKEN_MAX];
     int words = 0;
-    for (; dea_netlist_token(&cursor, token); words++)
-        for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
-            if (strcmp(token, refused[i]) == 0)
-                return dea_netlist_fail(job, index, "models of type %s are refused: they start programs", token);
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
+        if (strcasestr(text, refused[i]) != NULL)
+            return dea_netlist_fail(job, index, "models of type %s are refused: they start programs", refused[i]);
+    while (dea_netlist_token(&cursor, token))
+        words++;
     if (words < 3)
         return dea_netlist_fail(job, index, ".model needs a name and a type");
     return vet_file_parameters(job, index);
@@ -230,6 +231,48 @@ static enum dea_status vet_measure(struct dea_netlist_job *job, int index) {
     return DEA_OK;
 }
 
+/* Too few words: ngspice takes what is missing as ground, as 0 or as the next thing's name, often without a word. */
+static enum dea_status check_words(struct dea_netlist_job *job, int index) {
+    static const struct {
+        char letter;
+        int words; /* with the name */
+        const char *example;
+    } shapes[] = {
+        {'b', 6, "B1 p n V=V(a)*2"},
+        {'c', 4, "C1 p n 1n"},
+        {'d', 4, "D1 anode cathode model"},
+        {'e', 5, "E1 p n cp cn 2"},
+        {'f', 5, "F1 p n Vsense 2"},
+        {'g', 5, "G1 p n cp cn 1m"},
+        {'h', 5, "H1 p n Vsense 2"},
+        {'i', 3, "I1 from to 1m"},
+        {'j', 5, "J1 drain gate source model"},
+        {'k', 4, "K1 L1 L2 0.99"},
+        {'l', 4, "L1 p n 1m"},
+        {'m', 5, "M1 drain gate source bulk model"},
+        {'o', 6, "O1 a 0 b 0 model"},
+        {'q', 5, "Q1 collector base emitter model"},
+        {'r', 4, "R1 p n 1k"},
+        {'s', 6, "S1 p n cp cn model"},
+        {'t', 6, "T1 a 0 b 0 Z0=50 TD=1n"},
+        {'u', 5, "U1 a b 0 model"},
+        {'v', 3, "V1 p n 5"},
+        {'w', 5, "W1 p n Vsense model"},
+        {'x', 2, "X1 node subcircuit"},
+        {'z', 5, "Z1 drain gate source model"},
+    };
+    const char *cursor = job->netlist->lines[index].text;
+    char name[DEA_TOKEN_MAX] = "", token[DEA_TOKEN_MAX];
+    int words = dea_netlist_token(&cursor, name);
+    while (dea_netlist_token(&cursor, token))
+        words++;
+    for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++)
+        if (name[0] == shapes[i].letter && words < shapes[i].words)
+            return dea_netlist_fail(job, index, "%s: nodes or a value are missing; written as in %s", name,
+                                    shapes[i].example);
+    return DEA_OK;
+}
+
 /* EXTERNAL sources belong to the devices; nobody would answer for the user's. */
 static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
     const char *cursor = job->netlist->lines[index].text;
@@ -289,6 +332,7 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
             DEA_TRY(vet_source(job, i));
         DEA_TRY(vet_file_parameters(job, i));
         DEA_TRY(check_brackets(job, i));
+        DEA_TRY(check_words(job, i));
     }
     return DEA_OK;
 }

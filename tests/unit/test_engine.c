@@ -441,8 +441,19 @@ static void test_failures_are_explained(void **state) {
         {"t\nV1 p 0 1\nXdea p 0 pos DEA\nB1 q 0 V=V(p)/\n", DEA_ERR_INPUT, {":4: ", "syntax error", NULL}},
         {"t\nI1 0 p 1m\nC1 p 0 1n\nXdea p 0 pos DEA\n",
          DEA_ERR_SOLVER,
-         {"no operating point at t = 0", "singular at p: a node without DC path", NULL}},
-        {"t\nV1 p 0 1\nV2 p 0 2\nXdea p 0 pos DEA\n", DEA_ERR_SOLVER, {"no operating point at t = 0", NULL, NULL}},
+         {":2: ", "no operating point at t = 0", "singular at p: a node without DC path"}},
+        {"t\nV1 p 0 1\nV2 p 0 2\nXdea p 0 pos DEA\n",
+         DEA_ERR_SOLVER,
+         {":2: ", "singular at v1#branch", "in a loop, whose current nothing determines"}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\n.subckt s a\nL1 b 0 1\nL2 b 0 1\nV1 b 0 1\nR1 a 0 1\n.ends\nX1 p s\n",
+         DEA_ERR_SOLVER,
+         {":10: ", "singular at l.x1.l", "in a loop"}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nB1 b 0 V=V(b)>0.5 ? 0 : 1\nR1 b 0 1k\n",
+         DEA_ERR_SOLVER,
+         {":4: ", "no operating point at t = 0, trouble with node \"b\"", NULL}},
+        {"t\nV1 p 0 1\nXdea p 0 pos DEA\nL1 p 0 1\nK1 L1 L2 0.5\n",
+         DEA_ERR_INPUT,
+         {":5: ", "ngspice refuses the circuit", "coupling to non-existant inductor"}},
         {"t\nV1 p 0 1\nXdea p 0 pos DEA\n.subckt two a b\nR1 a b 1\n.ends\nX1 p two\n",
          DEA_ERR_INPUT,
          {":7: ", "Too few parameters for subcircuit type", NULL}},
@@ -456,6 +467,51 @@ static void test_failures_are_explained(void **state) {
             if (status != cases[i].status || strstr(error.text, cases[i].says[k]) == NULL)
                 fail_msg("case %zu: expected \"%s\", got %d \"%s\"", i, cases[i].says[k], status, error.text);
     }
+}
+
+static void count_message(void *context, enum dea_message_kind kind, const char *text) {
+    (void)kind;
+    (void)text;
+    ++*(int *)context;
+}
+
+/* Callbacks need to live as long as load and run: closing talks to nobody. */
+static enum dea_status close_after_refusal(struct dea_channel *channel, void *context, struct dea_error *error) {
+    (void)channel;
+    (void)context;
+    static const char text[] = "t\nV1 p 0 1\nXdea p 0 pos DEA\nE1 p 0 p 2\n";
+    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
+    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
+    const struct dea_circuit_device device = {.name = "DEA", .port_count = 1, .ports = {plain_port}};
+    const struct dea_deck_options options = {.stop = 1e-3};
+    int heard = 0, heard_in_load;
+    const struct dea_engine_callbacks callbacks = {.context = &heard, .port_value = give, .message = count_message};
+    struct dea_netlist netlist;
+    struct dea_deck deck;
+    struct dea_engine *engine;
+    FILE *file = fopen("engine-refused.cir", "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    assert_int_equal(dea_netlist_read("engine-refused.cir", &netlist_options, &netlist, error), DEA_OK);
+    unlink("engine-refused.cir");
+    assert_int_equal(dea_deck_build(&netlist, &device, &options, &deck, error), DEA_OK);
+    assert_int_equal(dea_engine_open(&engine, error), DEA_OK);
+    assert_int_equal(dea_engine_load(engine, &netlist, &deck, &device, &options, &callbacks, error), DEA_ERR_INPUT);
+    heard_in_load = heard;
+    dea_engine_close(engine);
+    dea_deck_clear(&deck);
+    dea_netlist_clear(&netlist);
+    return heard_in_load > 0 && heard == heard_in_load
+               ? DEA_OK
+               : dea_fail(error, DEA_ERR_INTERNAL, "%d messages, %d in the load", heard, heard_in_load);
+}
+
+static void test_closing_talks_to_nobody(void **state) {
+    (void)state;
+    struct dea_error error;
+    if (dea_isolate_run(close_after_refusal, NULL, NULL, NULL, NULL, &error) != DEA_OK)
+        fail_msg("%s", error.text);
 }
 
 /* V(b) has no solution once V(p) is above its threshold. */
@@ -594,6 +650,7 @@ int main(void) {
         cmocka_unit_test(test_code_models_work),
         cmocka_unit_test(test_repeated_runs),
         cmocka_unit_test(test_failures_are_explained),
+        cmocka_unit_test(test_closing_talks_to_nobody),
     };
     return cmocka_run_group_tests(tests, leave_poison, check_poison);
 }
