@@ -7,9 +7,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Writes the deck to `file`; it runs in `ngspice -b -r out.raw DECK` unchanged. Events and end stops' losses are left
- * out and said so in the deck's comments. DEA_ERR_INPUT for a scene that plain ngspice cannot express (message says
- * what). */
+/* Writes the deck to `file`; it runs in `ngspice -b -r out.raw DECK` unchanged. Events are left out, and the deck's
+ * comments say so. DEA_ERR_INPUT for a scene that plain ngspice cannot express (message says what). */
 enum dea_status dea_export_scene(const struct dea_scene *scene, bool trust_netlist, FILE *file,
                                  struct dea_error *error);
 

@@ -240,7 +240,7 @@ static enum dea_status rest_devices(struct cosim *run, struct dea_error *error) 
     return DEA_OK;
 }
 
-static double initial_voltage(const struct dea_netlist *netlist, const char *node) {
+double cosim_initial_voltage(const struct dea_netlist *netlist, const char *node) {
     for (int i = 0; i < netlist->initial_count; i++)
         if (strcmp(netlist->initials[i].node, node) == 0)
             return netlist->initials[i].value;
@@ -252,8 +252,8 @@ static enum dea_status start_from_initials(struct cosim *run, struct dea_error *
     for (int i = 0; i < run->count; i++) {
         char *const *nodes = run->netlist->instances[i].nodes;
         for (int p = 0; p < run->devices[i].port_count; p++)
-            run->rest_voltages[i * DEA_ZONES + p] =
-                initial_voltage(run->netlist, nodes[2 * p]) - initial_voltage(run->netlist, nodes[2 * p + 1]);
+            run->rest_voltages[i * DEA_ZONES + p] = cosim_initial_voltage(run->netlist, nodes[2 * p]) -
+                                                    cosim_initial_voltage(run->netlist, nodes[2 * p + 1]);
     }
     DEA_TRY(rest_devices(run, error));
     DEA_TRY(begin_observing(run, error));

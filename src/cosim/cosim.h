@@ -22,6 +22,9 @@ enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_
  * the modulus. */
 double cosim_expect_voltage(const struct dea_device *device);
 
+/* What .ic gives a node, V; 0 without one. */
+double cosim_initial_voltage(const struct dea_netlist *netlist, const char *node);
+
 /* End of the run: the scene's, or the netlist's .tran. */
 enum dea_status cosim_choose_stop(const struct dea_scene *scene, const struct dea_netlist *netlist, double *stop,
                                   struct dea_error *error);
