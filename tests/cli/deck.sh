@@ -3,6 +3,8 @@
 # shellcheck source=tests/cli/expect.sh
 source "$ROOT/tests/cli/expect.sh"
 
+scene='' # for messages
+
 # read_vector RAW EXPRESSION: fills vector.txt with time and value.
 read_vector() {
     printf 'title\n.control\nset wr_singlescale\nload %s\nwrdata vector.txt %s\n.endc\n.end\n' "$1" "$2" >load.cir

@@ -19,11 +19,11 @@ check() {
 }
 
 half='transient.stop=100 ms'
-check bidirectional 20u reltol=1e-5 1e-5 --set 'transient.stop=250 ms'
-check bidirectional_half_bridge 20u reltol=1e-5 1e-5 --set 'transient.stop=150 ms'
+check bidirectional 20u reltol=1e-5 1e-5 --set 'transient.stop=150 ms'
+check bidirectional_half_bridge 20u reltol=1e-5 1e-5 --set 'transient.stop=90 ms'
 check class_ab_amplifier 10u reltol=1e-5 1e-5
-check h_bridge_reversal 20u reltol=1e-5 1e-5 --set 'transient.stop=150 ms'
-check half_bridge_opto 20u reltol=1e-5 1e-5 --set 'transient.stop=150 ms'
+check h_bridge_reversal 20u reltol=1e-5 1e-5 --set 'transient.stop=120 ms'
+check half_bridge_opto 20u reltol=1e-5 1e-5 --set "$half"
 check leakage_hold 20u reltol=1e-5 1e-5 --set "$half"
 check position_feedback 50u reltol=1e-5 1e-5
 check rc_ladder 20u reltol=1e-5 1e-5
@@ -35,4 +35,4 @@ check two_devices 20u reltol=1e-5 1e-5 --set "$half"
 check cockcroft_walton 1u reltol=1e-4 1e-4 --set 'transient.stop=3 ms'
 check bidirectional_flyback 0.05u 'reltol=1e-4 trtol=1' 1e-4 --set 'transient.stop=0.3 ms'
 check flyback_open 0.01u 'reltol=1e-5 trtol=1' 1e-4 --set 'transient.stop=0.35 ms'
-check flyback_regulated 0.02u 'reltol=1e-4 trtol=1' 1e-4 --set 'transient.stop=0.4 ms'
+check flyback_regulated 0.02u 'reltol=1e-4 trtol=1' 1e-4 --set 'transient.stop=0.35 ms'
