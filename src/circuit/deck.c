@@ -47,6 +47,13 @@ static enum dea_status add(struct builder *builder, int origin, const char *form
 
 /* ---- devices ---- */
 
+/* An external number as the voltage of a node, letter and port: a current into 1 Ohm, since a voltage source would be two
+ * unknowns. */
+static enum dea_status add_number(struct builder *builder, char letter, int i) {
+    DEA_TRY(add(builder, -1, "I%c%d 0 %c%d external", letter, i, letter, i));
+    return add(builder, -1, "R%c%d %c%d 0 1", letter, i, letter, i);
+}
+
 /* Elements of one port; `film` is the name of the node behind the electrode resistance. The formulation is explained in
  * deck.h. */
 static enum dea_status add_port(struct builder *builder, const struct dea_port *port, int i, bool uic) {
@@ -54,18 +61,16 @@ static enum dea_status add_port(struct builder *builder, const struct dea_port *
     char film[16];
     snprintf(film, sizeof film, "%s%d", port->resistance > 0.0 ? "f" : "p", i);
     if (port->resistance > 0.0 && port->resistance_external) {
-        DEA_TRY(add(builder, -1, "Vr%d r%d 0 external", i, i));
+        DEA_TRY(add_number(builder, 'r', i));
         DEA_TRY(add(builder, -1, "Bre%d p%d f%d I=V(p%d,f%d)*%.17g/V(r%d)", i, i, i, i, i, 1.0 / port->resistance, i));
     } else if (port->resistance > 0.0) {
         DEA_TRY(add(builder, -1, "Re%d p%d f%d %.17g", i, i, i, port->resistance));
     }
 
-    DEA_TRY(add(builder, -1, "Vc%d c%d 0 external", i, i));
+    DEA_TRY(add_number(builder, 'c', i));
     DEA_TRY(add(builder, -1, "Bq%d 0 q%d I=V(%s,n%d)*V(c%d)", i, i, film, i, i));
-    if (port->offset) {
-        DEA_TRY(add(builder, -1, "Vd%d d%d 0 external", i, i));
-        DEA_TRY(add(builder, -1, "Gd%d 0 q%d d%d 0 1", i, i, i));
-    }
+    if (port->offset)
+        DEA_TRY(add(builder, -1, "Id%d 0 q%d external", i, i));
     if (uic)
         DEA_TRY(add(builder, -1, "Lq%d q%d 0 %.17g ic=%.17g", i, i, unit, port->initial_charge / unit));
     else
@@ -73,13 +78,13 @@ static enum dea_status add_port(struct builder *builder, const struct dea_port *
     DEA_TRY(add(builder, -1, "Gq%d %s n%d q%d 0 1", i, film, i, i));
 
     if (port->may_short) {
-        DEA_TRY(add(builder, -1, "Vh%d h%d 0 external", i, i));
+        DEA_TRY(add_number(builder, 'h', i));
         DEA_TRY(add(builder, -1, "Bh%d %s n%d I=V(%s,n%d)*V(h%d)", i, film, i, film, i, i));
     }
     if (port->conductivity > 0.0) {
         /* I = s0 A lam E exp(|E|/E_B), E = V lam / (t0 lp1) */
         double ohmic = port->conductivity * port->leakage_area / port->leakage_thickness;
-        DEA_TRY(add(builder, -1, "Vs%d s%d 0 external", i, i));
+        DEA_TRY(add_number(builder, 's', i));
         if (isinf(port->conductivity_field))
             DEA_TRY(add(builder, -1, "Bg%d %s n%d I=%.17g*V(%s,n%d)*V(s%d)*V(s%d)", i, film, i, ohmic, film, i, i, i));
         else

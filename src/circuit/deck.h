@@ -4,9 +4,10 @@
  * capacitance x 1 kV. The one product is the only thing ngspice has to derive: longer expressions cost more than a
  * converter's whole power stage.
  *     Bq 0 q I = V(p,n) V(c)
- *     Gd 0 q d 0 1                                       q0, where the coupling asks for it
+ *     Id 0 q external                                    q0, where the coupling asks for it
  *     Lq q 0 Q1 (1 V/A)                                  the state is the inductor's current: charge in units of Q1
  *     Gq p n q 0 1                                       1 V at q is 1 A of dQ/dt
+ * External numbers come as currents: one straight into q, the others through 1 Ohm to be voltages (c above).
  * State of order 1, and a tolerance of vntol = 1 uA on the current: tighter than that, rounding noise C dV/dt of a kV
  * node stops ngspice with "timestep too small"; looser states (1 V = 1 A with unscaled charge, ngspice's own `C Q=`)
  * lose charge on an isolated node. */

@@ -107,15 +107,6 @@ static int give_value(double *value, double t, char *name, int id, void *context
     return 0;
 }
 
-static int refuse_current(double *value, double t, char *name, int id, void *context) {
-    (void)t;
-    (void)name;
-    (void)id;
-    (void)context;
-    *value = 0.0; /* vetting lets no EXTERNAL current source through */
-    return 0;
-}
-
 static int steer_step(double time, double *delta, double old_delta, int redo, int id, int location, void *context) {
     (void)id;
     (void)context;
@@ -253,7 +244,7 @@ static enum dea_status start_library(struct dea_error *error) {
     rmdir(folder);
     DEA_TRY(status);
     int identity = 0;
-    ngSpice_Init_Sync(give_value, refuse_current, steer_step, &identity, NULL);
+    ngSpice_Init_Sync(give_value, give_value, steer_step, &identity, NULL);
     /* Its last resort for the operating point, a pseudo transient, can run for ever and asks for external values at
      * times of its own: without it the failure is clean and names the node. Threads cost more than they bring in small
      * circuits. */

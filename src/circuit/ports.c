@@ -20,7 +20,7 @@ static enum dea_status add_source(struct dea_engine *engine, int instance, int p
     *source = (struct dea_external_source){.instance = instance, .port = port, .which = which, .scale = scale};
     const char *path = engine->netlist->instances[instance].path;
     int made = which == DEA_EXTERNAL_POSITION ? asprintf(&source->name, "v.%s.vpos", path)
-                                              : asprintf(&source->name, "v.%s.v%c%d", path, letters[which], port);
+                                              : asprintf(&source->name, "i.%s.i%c%d", path, letters[which], port);
     if (made < 0) {
         source->name = NULL;
         return out_of_memory(error);

@@ -4,6 +4,13 @@
 #include <math.h>
 #include <string.h>
 
+/* A capacitance that changes less than this within a circuit step needs no look at the film in between. */
+#define STEADY 1e-5
+/* The foreseen course is compared with the balance when this part of the horizon has gone by, or a charge has changed
+ * by this part of the largest. */
+#define WATCH_TIME (1.0 / 50.0)
+#define WATCH_CHARGE 0.01
+
 int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
     int count = 0;
     for (int i = 0; i < DEA_ZONES; i++) {
@@ -43,6 +50,9 @@ static enum dea_status look_ahead(struct coupled *coupled, double horizon, struc
     coupled->drift = coupled->defect = coupled->strayed = coupled->straying = 0.0;
     if (dea_plant_look_ahead(coupled->plant, horizon, &coupled->outlook) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the device left the model", dea_plant_time(coupled->plant));
+    coupled->compared_at = coupled->outlook.start;
+    for (int p = 0; p < coupled->port_count; p++)
+        coupled->compared_charge[p] = coupled->outlook.charge[coupled->zones[p]];
     return DEA_OK;
 }
 
@@ -78,7 +88,10 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
         struct window_point first = {
-            .q = coupled->outlook.charge[k], .film_voltage = film_voltages[p], .port_voltage = film_voltages[p]};
+            .q = coupled->outlook.charge[k],
+            .film_voltage = film_voltages[p],
+            .port_voltage = film_voltages[p],
+            .capacitance = coupled->outlook.capacitance[k]};
         if (window_begin(&coupled->windows[p], &first) != DEA_OK)
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
         coupled->fading[p] = 0.0;
@@ -121,12 +134,12 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
 }
 
 /* Work on the film over one circuit step. With V = Q/C, int V dQ = [Q V / 2] + (1/2) int V^2 dC: the bracket is exact
- * and C changes slowly, however fast the charge rings. Losses in R_e and leakage by trapezoids. */
+ * and C changes slowly, however fast the charge rings; where it hardly changes, its mean will do for the middle. Losses
+ * in R_e and leakage by trapezoids. */
 static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b) {
-    double h = b->t - a->t, middle = 0.5 * (a->t + b->t);
-    double c0, c1, v0 = coupled_film_voltage(coupled, port, a->t, a->q, &c0);
-    double v = coupled_film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), NULL);
-    double v1 = coupled_film_voltage(coupled, port, b->t, b->q, &c1);
+    double h = b->t - a->t, middle = 0.5 * (a->t + b->t), q = window_value(a, b, middle, NULL);
+    double c0 = a->capacitance, c1 = b->capacitance, v0 = a->q / c0, v1 = b->q / c1;
+    double v = fabs(c1 - c0) < STEADY * c0 ? 2.0 * q / (c0 + c1) : coupled_film_voltage(coupled, port, middle, q, NULL);
     coupled->books.film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
     coupled->books.resistive += 0.5 * h *
                                 ((a->port_voltage - a->film_voltage) * (a->after + a->leak) +
@@ -162,6 +175,7 @@ static void book_until(struct coupled *coupled, int index, double t, struct obse
                 double part = (t - a->t) / (b->t - a->t);
                 end.t = t;
                 end.q = window_value(a, b, t, &end.before);
+                coupled_film_voltage(coupled, p, t, end.q, &end.capacitance);
                 end.film_voltage += (1.0 - part) * (a->film_voltage - b->film_voltage);
                 end.port_voltage += (1.0 - part) * (a->port_voltage - b->port_voltage);
                 end.leak += (1.0 - part) * (a->leak - b->leak);
@@ -186,12 +200,24 @@ static enum dea_status settle_interval(struct coupled *coupled, int index, size_
     return DEA_OK;
 }
 
+static bool should_compare(const struct coupled *coupled, double t) {
+    double change = 0.0, largest = 0.0;
+    for (int p = 0; p < coupled->port_count; p++) {
+        change = fmax(change, fabs(coupled_last_point(coupled, p)->q - coupled->compared_charge[p]));
+        largest = fmax(largest, coupled->largest_charge[p]);
+    }
+    return t - coupled->compared_at >= WATCH_TIME * coupled->horizon || change > WATCH_CHARGE * largest;
+}
+
 /* Where the platform's balance fails on the foreseen course, the platform goes another way: how far, in capacitance. */
-static void note_drift(struct coupled *coupled, double from, double to) {
+static void note_drift(struct coupled *coupled, double to) {
+    if (!should_compare(coupled, to))
+        return;
     const struct dea_outlook *outlook = &coupled->outlook;
-    double charges[DEA_ZONES] = {0.0, 0.0}, h = to - from, before = coupled->defect;
+    double charges[DEA_ZONES] = {0.0, 0.0}, h = to - coupled->compared_at, before = coupled->defect;
     for (int p = 0; p < coupled->port_count; p++)
-        charges[coupled->zones[p]] = coupled_last_point(coupled, p)->q;
+        charges[coupled->zones[p]] = coupled->compared_charge[p] = coupled_last_point(coupled, p)->q;
+    coupled->compared_at = to;
     if (dea_plant_imagine_defect(coupled->plant, outlook, to, charges, &coupled->defect) != DEA_OK) {
         coupled->drift = INFINITY;
         return;
@@ -236,7 +262,9 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
     coupled_tell_all(coupled, to);
     for (int p = 0; p < coupled->port_count; p++) {
         struct window_point *point = coupled_last_point(coupled, p);
-        double v = point->film_voltage, lam = point->stretch = coupled->told[p].stretch;
+        const struct told_film *told = &coupled->told[p];
+        double v = point->film_voltage, lam = point->stretch = told->stretch;
+        point->capacitance = coupled_quotient(told, (point->q - told->q0) / told->c);
         point->leak =
             dea_zone_leakage(coupled->device, coupled->zones[p], lam, v, NULL, NULL) + coupled->shorted[p] * v;
         coupled->largest_charge[p] = fmax(coupled->largest_charge[p], fabs(ports[p].charge));
@@ -244,7 +272,7 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
             note_point(coupled, index, p, point, observer);
     }
     if (to > from)
-        note_drift(coupled, from, to);
+        note_drift(coupled, to);
     for (int p = 0; coupled->watched && p < coupled->port_count; p++)
         if (breaks_down(coupled, p))
             coupled->drift = INFINITY;

@@ -29,7 +29,8 @@ struct coupled {
     struct dea_outlook outlook;       /* since the last exchange */
     double horizon;                   /* how long the outlook is meant to hold, s */
     double drift; /* largest relative error of a told capacitance, from how the outlook fails the platform's balance */
-    double defect, strayed, straying; /* N, m, m/s: that failure at the last point, and where it has led to */
+    double defect, strayed, straying; /* N, m, m/s: that failure when last compared, and where it has led to */
+    double compared_at, compared_charge[DEA_ZONES]; /* s, C per port */
     /* what the circuit is told at `told_at` */
     double told_at; /* s */
     struct told_film told[DEA_ZONES];

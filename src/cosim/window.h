@@ -14,7 +14,7 @@ struct window_point {
     double t, q;                       /* s, C */
     double before, after;              /* A, at the end of the interval before, at the start of the one after */
     double film_voltage, port_voltage; /* V */
-    double leak, stretch;              /* A, 1 */
+    double leak, stretch, capacitance; /* A, 1, F: charge over film voltage */
 };
 
 struct window {

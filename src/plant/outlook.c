@@ -7,6 +7,10 @@
 /* Below this part of the rest stiffness the response to a voltage counts as limited: past a pitchfork it would be
  * infinite. */
 #define SOFTEST 0.02
+/* A film is taut for sure if what the tangent leaves of its tension is more than this part of what it is made of, and
+ * the stretch has changed by no more than that part. */
+#define SURELY_TAUT 0.1
+#define NEAR_STRETCH 0.01
 
 /* What moves the net force besides x and v: charges, branches, the load; N/s. Also net stiffness, N/m. */
 static double drift_force(const struct dea_plant *plant, double *stiffness) {
@@ -76,6 +80,32 @@ static double find_own_softness(const struct dea_device *device, int k, const st
     return slope * fabs(film->dlam_de) * charge_per_v2;
 }
 
+/* The tangent of a film's tension without its Maxwell part. */
+static void look_at_tension(struct dea_plant *plant, int k) {
+    const struct dea_device *device = plant->device;
+    const struct zone_point *point = &plant->points[k];
+    const struct dea_film *film = &point->film;
+    double c1, c2, v = film->voltage, per_length = device->prestretch[0] / device->zones[k].length;
+    double volume = device->zones[k].volume;
+    struct tension_ahead *tension = &plant->tension[k];
+    dea_zone_capacitance(device, k, film->lam, &c1, &c2);
+    *tension = (struct tension_ahead){.slack = film->slack,
+                                      .lam = film->lam,
+                                      .slope = film->margin * volume + 0.5 * v * v * c1,
+                                      .stiffness = film->stiffness / (per_length * per_length) + 0.5 * v * v * c2};
+    int branches = plant->zones[k].branch != ABSENT ? device->material.branch_count : 0;
+    for (int b = 0; b < branches; b++)
+        for (int i = 0; i < 2; i++)
+            tension->rate += volume * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
+}
+
+static bool is_surely_taut(const struct tension_ahead *tension, double ahead, double lam, double maxwell) {
+    if (tension->slack || fabs(lam - tension->lam) > NEAR_STRETCH * tension->lam)
+        return false;
+    double elastic = tension->slope + tension->stiffness * (lam - tension->lam) + tension->rate * ahead;
+    return elastic - maxwell > SURELY_TAUT * (fabs(tension->slope) + maxwell);
+}
+
 static double stiffness_at_voltage(const struct dea_plant *plant) {
     double stiffness = -plant->force_x;
     for (int i = 0; i < DEA_ZONES; i++)
@@ -103,6 +133,8 @@ enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, st
         out->charge_rate[k] = point->e_rate;
         out->capacitance[k] = point->film.capacitance;
         out->soft_gain[k] = find_gain(plant, k);
+        if (point->film.capacitance > 0.0)
+            look_at_tension(plant, k);
     }
     out->stiffness = stiffness_at_voltage(plant);
     out->damping = plant->device->damping;
@@ -144,10 +176,17 @@ static enum dea_status imagine(struct dea_plant *plant, int k, double ahead, dou
 
 enum dea_status dea_plant_imagine_film(struct dea_plant *plant, int zone, double ahead, double x, double charge,
                                        struct dea_film_outlook *out) {
+    const struct dea_device *device = plant->device;
+    double c1, lam = dea_zone_stretch(device, zone, x), c = dea_zone_capacitance(device, zone, lam, &c1, NULL);
+    double v = charge / c;
+    if (is_surely_taut(&plant->tension[zone], ahead, lam, 0.5 * v * v * c1)) { /* the branches need not be asked */
+        *out = (struct dea_film_outlook){lam, c, false, 0.0};
+        return DEA_OK;
+    }
     struct dea_film film;
     DEA_TRY(imagine(plant, zone, ahead, x, charge, true, &film));
     *out = (struct dea_film_outlook){film.lam, film.capacitance, film.slack,
-                                     film.slack ? find_own_softness(plant->device, zone, &film) : 0.0};
+                                     film.slack ? find_own_softness(device, zone, &film) : 0.0};
     return DEA_OK;
 }
 

@@ -71,6 +71,15 @@ struct zone_point {
     double leak_v, leak_lam;                    /* derivatives of leak */
 };
 
+/* How far a film is from going slack in the near future, to first order. */
+struct tension_ahead {
+    bool slack;
+    double lam;       /* stretch at the last look ahead */
+    double slope;     /* of the elastic energy and the branches' by stretch there, J */
+    double stiffness; /* its slope by stretch, J */
+    double rate;      /* its slope by time as the branches go on, W */
+};
+
 struct dea_plant {
     const struct dea_device *device;
     struct dea_plant_options options;
@@ -91,6 +100,7 @@ struct dea_plant {
     struct zone_point points[DEA_ZONES];
     double *imagined_states; /* of one film in the near future, with its branches */
     struct dea_branch_response *imagined_branches;
+    struct tension_ahead tension[DEA_ZONES];
     double force;            /* on the platform without damping, N */
     double force_x, force_v; /* its derivatives from load and stops, N/m, N s/m */
     double stop_loss;        /* W */
