@@ -47,8 +47,8 @@ static enum dea_status add(struct builder *builder, int origin, const char *form
 
 /* ---- devices ---- */
 
-/* An external number as the voltage of a node, letter and port: a current into 1 Ohm, since a voltage source would be two
- * unknowns. */
+/* An external number as the voltage of a node, letter and port: a current into 1 Ohm, since a voltage source would be
+ * two unknowns. */
 static enum dea_status add_number(struct builder *builder, char letter, int i) {
     DEA_TRY(add(builder, -1, "I%c%d 0 %c%d external", letter, i, letter, i));
     return add(builder, -1, "R%c%d %c%d 0 1", letter, i, letter, i);

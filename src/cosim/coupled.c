@@ -87,11 +87,10 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
     coupled->books = coupled->books_at_exchange = (struct port_books){0};
     for (int p = 0; p < coupled->port_count; p++) {
         int k = coupled->zones[p];
-        struct window_point first = {
-            .q = coupled->outlook.charge[k],
-            .film_voltage = film_voltages[p],
-            .port_voltage = film_voltages[p],
-            .capacitance = coupled->outlook.capacitance[k]};
+        struct window_point first = {.q = coupled->outlook.charge[k],
+                                     .film_voltage = film_voltages[p],
+                                     .port_voltage = film_voltages[p],
+                                     .capacitance = coupled->outlook.capacitance[k]};
         if (window_begin(&coupled->windows[p], &first) != DEA_OK)
             return dea_fail(error, DEA_ERR_MEMORY, "out of memory");
         coupled->fading[p] = 0.0;
