@@ -174,7 +174,7 @@ static int write_and_close(int descriptor, const char *text) {
         return trouble;
     }
     errno = 0;
-    bool good = fputs(text, file) >= 0 && fputc('\n', file) != EOF && fflush(file) == 0 && fsync(descriptor) == 0;
+    bool good = fputs(text, file) >= 0 && fputc('\n', file) != EOF && fflush(file) == 0;
     int trouble = good ? 0 : errno;
     if (fclose(file) != 0 && trouble == 0)
         trouble = errno;
