@@ -9,7 +9,11 @@
 #include <math.h>
 #include <string.h>
 
-#define SHOWN_STEPS 1000.0 /* of a run, at least */
+/* Longest step: ngspice hardly controls the error of the motion. A thousandth of the run; less where the platform's
+ * period asks for it, but not so little that the run takes for ever. */
+#define FEWEST_STEPS 1000.0
+#define MOST_STEPS 40000.0
+#define STEPS_PER_PERIOD 400.0
 
 /* ---- the start ---- */
 
@@ -101,8 +105,20 @@ static enum dea_status plan_start(const struct dea_scene *scene, const struct de
 
 /* ---- the deck ---- */
 
+/* Shortest natural period of the scene's devices, s; INFINITY without mass. */
+static double shortest_period(const struct dea_scene *scene) {
+    double period = INFINITY;
+    for (int d = 0; d < scene->device_count; d++) {
+        const struct dea_device *device = &scene->devices[d].device;
+        if (device->effective_mass > 0.0)
+            period = fmin(period, 2.0 * M_PI * sqrt(device->effective_mass / device->stiffness));
+    }
+    return period;
+}
+
 static void write_analysis(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop, FILE *file) {
-    double step = stop / SHOWN_STEPS, longest = step;
+    double step = stop / FEWEST_STEPS;
+    double longest = fmin(step, fmax(shortest_period(scene) / STEPS_PER_PERIOD, stop / MOST_STEPS));
     if (netlist != NULL && netlist->tran.step > 0.0)
         step = netlist->tran.step;
     if (netlist != NULL && netlist->tran.max_step > 0.0)

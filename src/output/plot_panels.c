@@ -102,6 +102,8 @@ static void describe(struct dea_panel_curve *curve, const struct dea_signal *sig
     if (strncmp(what, "energy.", 7) == 0) {
         curve->palette = PALETTE_ENERGY;
         curve->colour = quantity;
+        curve->broad = quantity == 0;                      /* what goes in is mostly stored */
+        curve->dashed = place_of(devices, owner) % 2 == 1; /* the colours belong to the energies */
     } else {
         curve->colour = place_of(of_device ? devices : zones, owner);
     }

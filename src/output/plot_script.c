@@ -13,6 +13,7 @@
 #define KEY_MARGIN 17   /* pixels above and below a key */
 #define WORD_WIDTH 0.02 /* of the time axis: what a word written upwards takes */
 #define SHOWN_LIMIT 4.0 /* a limit is drawn when the panel grows less than that by it */
+#define SMALL_SIDE 0.25 /* fields of the other sign below this part of the larger ones get no limit of their own */
 
 /* Okabe and Ito, "Color Universal Design" (2008): told apart by colour-blind readers too. */
 static const char *const palettes[][6] = {
@@ -133,9 +134,15 @@ static void write_curve(const struct dea_table *table, const struct dea_panel_cu
     write_string(title, script);
 }
 
+/* Where a limit is drawn: at its value, where fields are negative also at its opposite. */
+struct limit_lines {
+    double value; /* SI; 0: no limit */
+    bool above, below;
+};
+
 /* Broad pale curves first, so that the others lie on top; then the limit. */
-static void write_plot_command(const struct dea_table *table, const struct dea_panel *panel, double limit,
-                               bool limit_inside, FILE *script) {
+static void write_plot_command(const struct dea_table *table, const struct dea_panel *panel,
+                               const struct limit_lines *limit, FILE *script) {
     const char *separator = "plot ";
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < panel->curve_count; i++) {
@@ -144,9 +151,15 @@ static void write_plot_command(const struct dea_table *table, const struct dea_p
             write_curve(table, &panel->curves[i], separator, script);
             separator = ", \\\n     ";
         }
-    if (limit > 0.0)
+    bool shown = limit->above || limit->below;
+    if (limit->value > 0.0)
         fprintf(script, "%s%s with lines lw 1.5 dt (10,6) lc rgb '#B00020' title 'breakdown %.4g V/µm%s'", separator,
-                limit_inside ? "limit" : "NaN", limit * 1e-6, limit_inside ? "" : ", off scale");
+                limit->above   ? "limit"
+                : limit->below ? "-limit"
+                               : "NaN",
+                limit->value * 1e-6, shown ? "" : ", off scale");
+    if (limit->above && limit->below)
+        fprintf(script, "%s-limit with lines lw 1.5 dt (10,6) lc rgb '#B00020' notitle", separator);
     if (panel->left_out > 0)
         fprintf(script, "%sNaN with lines lc rgb '#FFFFFF' title 'and %d more'", separator, panel->left_out);
     fputc('\n', script);
@@ -156,11 +169,19 @@ static void write_panel(const struct dea_table *table, const struct dea_panel *p
                         double time_factor, FILE *script) {
     struct range range = range_of(table, panel);
     double limit, factor;
-    bool limited = limit_of(panel, table, caption, &limit);
-    bool inside = limited && limit <= SHOWN_LIMIT * fmax(fabs(range.high), fabs(range.low));
+    struct limit_lines lines = {.value = 0.0};
     struct range shown = range;
-    if (inside)
-        shown.high = fmax(shown.high, limit);
+    if (limit_of(panel, table, caption, &limit)) {
+        bool negative = -range.low > SMALL_SIDE * fmax(range.high, 0.0),
+             positive = range.high > SMALL_SIDE * -range.low;
+        lines.value = limit;
+        lines.above = (positive || !negative) && limit <= SHOWN_LIMIT * range.high;
+        lines.below = negative && limit <= SHOWN_LIMIT * -range.low;
+        if (lines.above)
+            shown.high = fmax(shown.high, limit);
+        if (lines.below)
+            shown.low = fmin(shown.low, -limit);
+    }
     shown = widen(shown);
 
     char unit[32];
@@ -174,9 +195,9 @@ static void write_panel(const struct dea_table *table, const struct dea_panel *p
     write_string(axis, script);
     fputs(" at screen 0.03, graph 0.5 center rotate by 90 noenhanced\n", script);
     fprintf(script, "set yrange [%.9g:%.9g]\n", shown.low * factor, shown.high * factor);
-    if (inside)
-        fprintf(script, "limit = %.9g\n", limit * factor);
-    write_plot_command(table, panel, limited ? limit : 0.0, inside, script);
+    if (lines.above || lines.below)
+        fprintf(script, "limit = %.9g\n", lines.value * factor);
+    write_plot_command(table, panel, &lines, script);
 }
 
 /* ---- the page ---- */

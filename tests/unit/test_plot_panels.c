@@ -62,14 +62,19 @@ static void current_stands_in_for_energy(void **state) {
 static void devices_are_told_apart(void **state) {
     (void)state;
     static const struct dea_signal signals[] = {
-        {"DEA.x", "m"}, {"DEB.x", "m"}, {"DEA.left.voltage", "V"}, {"DEB.left.voltage", "V"}, {"DEB.energy.in", "J"}};
+        {"DEA.x", "m"},         {"DEB.x", "m"},         {"DEA.left.voltage", "V"}, {"DEB.left.voltage", "V"},
+        {"DEB.energy.in", "J"}, {"DEA.energy.in", "J"}, {"DEA.energy.stored", "J"}};
     struct dea_panel panels[DEA_PANELS];
-    assert_int_equal(choose(signals, 5, panels), 3);
+    assert_int_equal(choose(signals, 7, panels), 3);
     assert_string_equal(panels[0].curves[1].label, "DEB.left");
     assert_string_equal(panels[1].curves[0].label, "DEA");
     assert_string_equal(panels[1].curves[1].label, "DEB");
     assert_int_not_equal(panels[1].curves[0].colour, panels[1].curves[1].colour);
-    assert_string_equal(panels[2].curves[0].label, "DEB in");
+    const struct dea_panel_curve *energies = panels[2].curves;
+    assert_string_equal(energies[0].label, "DEB in");
+    assert_int_equal(energies[0].colour, energies[1].colour); /* the same energy, told apart by the dash */
+    assert_true(energies[0].dashed && !energies[1].dashed);
+    assert_true(energies[1].broad && !energies[2].broad);
 }
 
 static void unknown_signals_are_drawn_by_unit(void **state) {

@@ -72,6 +72,26 @@ static void limit_is_drawn_or_mentioned(void **state) {
     free(script);
 }
 
+/* A film breaks down at either polarity: the limit is drawn where the fields are. */
+static void limit_follows_the_sign(void **state) {
+    (void)state;
+    static const struct dea_caption caption = {.title = "t", .limits = {{"left.true_field", 1e8}}, .limit_count = 1};
+    char *script = script_of("time [s],left.true_field [V/m]\n0,-9e7\n1,8e7\n", &caption);
+    assert_non_null(strstr(script, "     limit with lines"));
+    assert_non_null(strstr(script, "     -limit with lines lw 1.5 dt (10,6) lc rgb '#B00020' notitle"));
+    assert_non_null(strstr(script, "set yrange [-112:112]\n"));
+    free(script);
+    script = script_of("time [s],left.true_field [V/m]\n0,-9e7\n1,0\n", &caption);
+    assert_null(strstr(script, "     limit with lines"));
+    assert_non_null(
+        strstr(script, "     -limit with lines lw 1.5 dt (10,6) lc rgb '#B00020' title 'breakdown 100 V/µm'"));
+    assert_non_null(strstr(script, "set yrange [-106:6]\n"));
+    free(script);
+    script = script_of("time [s],left.true_field [V/m]\n0,-1e7\n1,9e7\n", &caption);
+    assert_null(strstr(script, "-limit"));
+    free(script);
+}
+
 static void strings_cannot_become_commands(void **state) {
     (void)state;
     static const struct dea_caption caption = {
@@ -106,7 +126,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(data_are_scaled_and_gaps_stay), cmocka_unit_test(port_voltage_lies_below),
         cmocka_unit_test(limit_is_drawn_or_mentioned),   cmocka_unit_test(strings_cannot_become_commands),
-        cmocka_unit_test(words_of_events_keep_apart),
+        cmocka_unit_test(words_of_events_keep_apart),    cmocka_unit_test(limit_follows_the_sign),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
