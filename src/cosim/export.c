@@ -6,6 +6,7 @@
 #include "cosim/export_internal.h"
 #include "deasim/design.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -141,8 +142,10 @@ static void write_analysis(const struct dea_scene *scene, const struct dea_netli
 
 static enum dea_status write_deck(const struct dea_scene *scene, const struct dea_netlist *netlist, double stop,
                                   FILE *file, struct dea_error *error) {
-    fprintf(file, "%s\n* written by deasim export; events are left out\n",
-            scene->title != NULL ? scene->title : "deasim");
+    /* a first line that begins like a command would be one to ngspice */
+    const char *title = scene->title != NULL ? scene->title : "";
+    fprintf(file, "%s%s\n* written by deasim export; events are left out\n",
+            isalnum((unsigned char)title[0]) ? "" : "deasim: ", title);
     for (int i = 1; netlist != NULL && i < netlist->line_count; i++)
         if (netlist->lines[i].passed)
             fprintf(file, "%s\n", netlist->lines[i].text);

@@ -131,6 +131,12 @@ drive: {netlist: uic.cir}
 initial: {x: 0.1 mm, v: 0.1 m/s}
 TEXT
 
+# a title is never a command
+{ printf 'title: "*# shell touch owned"\n'; cat chirp.yaml; } >owned.yaml
+export_and_run owned.yaml 20u
+has deck.cir 'deasim: *# shell touch owned'
+[ ! -e owned ] || { echo 'the title was run'; exit 1; }
+
 # what plain ngspice cannot do is refused, and leaves no deck behind
 { printf 'device: %s/models/planar_c_s5.yaml\n' "$ROOT"; echo 'drive: {netlist: uic.cir}'; echo 'initial: fresh'; } >fresh.yaml
 expect 2 "$DEASIM" export fresh.yaml -o none.cir
