@@ -1,0 +1,321 @@
+/* Traps of ngspice's synchronisation interface. Each test names the guard it watches and fails without it. The others
+ * are in test_engine.c: breakpoint and left limit, the step that ends the run (test_redone_steps_lose_nothing), the
+ * last resort for the operating point that may never end (test_failures_are_explained). */
+#include "base/isolate.h"
+#include "circuit/engine.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define C_REST 80.5e-12 /* F */
+#define MAX_STEP 1e-4   /* s */
+#define FLOOR (1e-10 * MAX_STEP)
+
+/* A run, what it asks for and what it sees. */
+struct watch {
+    enum { REDO_NEVER, REDO_ONCE, REDO_ALWAYS, REDO_LONGER } redo; /* once: every third step, the first one too */
+    double (*request)(long step, double delta);                    /* of the step before it, s; NULL: none */
+    int stop_after;                                                /* points; 0: none */
+    long asked, steps, points;
+    double redone_from; /* start of the step last redone, s */
+    double shortest_asked, last_asked, largest_step, last_time;
+    double worst_charge; /* C, distance from what flowed in */
+    double current;      /* A, which flows in from t = 0 */
+    long points_before;  /* points accepted when first asked */
+    bool asked_again_longer;
+};
+
+static double give(void *context, int instance, int port, enum dea_external which, double t) {
+    (void)context;
+    (void)instance;
+    (void)port;
+    (void)t;
+    return which == DEA_EXTERNAL_CAPACITANCE ? C_REST : 0.0;
+}
+
+static void limit(void *context, double t, double *delta) {
+    struct watch *watch = context;
+    (void)t;
+    watch->steps++;
+    if (watch->request != NULL)
+        *delta = watch->request(watch->steps, *delta);
+}
+
+static bool judge(void *context, double t, double delta, double *next_delta) {
+    struct watch *watch = context;
+    bool again = fabs(watch->redone_from - (t - delta)) < 1e-6 * delta;
+    if (watch->asked++ == 0)
+        watch->points_before = watch->points;
+    watch->shortest_asked = fmin(watch->shortest_asked, delta);
+    watch->asked_again_longer = watch->asked_again_longer || (again && delta > 0.95 * watch->last_asked);
+    watch->last_asked = delta;
+    watch->redone_from = t - delta;
+    if (watch->redo == REDO_ALWAYS)
+        *next_delta = 0.0;
+    if (watch->redo == REDO_LONGER)
+        *next_delta = 2.0 * delta;
+    return watch->redo == REDO_ALWAYS || (watch->redo == REDO_LONGER && watch->asked < 100) ||
+           (watch->redo == REDO_ONCE && (watch->asked == 1 || watch->points % 3 == 0) && !again);
+}
+
+static enum dea_status take(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
+    struct watch *watch = context;
+    (void)error;
+    if (watch->points > 0)
+        watch->largest_step = fmax(watch->largest_step, point->time - watch->last_time);
+    watch->last_time = point->time;
+    watch->points++;
+    watch->worst_charge = fmax(watch->worst_charge, fabs(point->ports[0].charge - watch->current * point->time));
+    return watch->points == watch->stop_after ? DEA_STOPPED : DEA_OK;
+}
+
+static struct dea_deck_options usual_options(void) {
+    return (struct dea_deck_options){.stop = 50.0 * MAX_STEP, .max_step = MAX_STEP};
+}
+
+static enum dea_status run_on(struct dea_engine *engine, const char *text, const struct dea_deck_options *options,
+                              struct watch *watch, struct dea_engine_stats *stats, struct dea_error *error) {
+    char path[] = "trap-test-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, text, strlen(text)), strlen(text));
+    close(file);
+    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
+    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
+    const struct dea_circuit_device device = {
+        .name = "DEA", .port_count = 1, .ports = {{.rest_capacitance = C_REST, .conductivity_field = INFINITY}}};
+    const struct dea_engine_callbacks callbacks = {.context = watch,
+                                                   .port_value = give,
+                                                   .before_step = limit,
+                                                   .candidate = watch->redo == REDO_NEVER ? NULL : judge,
+                                                   .accepted = take};
+    struct dea_netlist netlist;
+    struct dea_deck deck = {0};
+    watch->shortest_asked = INFINITY;
+    watch->redone_from = -1.0;
+    enum dea_status status = dea_netlist_read(path, &netlist_options, &netlist, error);
+    unlink(path);
+    if (status == DEA_OK)
+        status = dea_deck_build(&netlist, &device, options, &deck, error);
+    if (status == DEA_OK)
+        status = dea_engine_load(engine, &netlist, &deck, &device, options, &callbacks, error);
+    if (status == DEA_OK)
+        status = dea_engine_run(engine, error);
+    dea_engine_stats(engine, stats);
+    dea_deck_clear(&deck);
+    dea_netlist_clear(&netlist);
+    return status;
+}
+
+static enum dea_status run(const char *text, const struct dea_deck_options *options, struct watch *watch,
+                           struct dea_engine_stats *stats, struct dea_error *error) {
+    struct dea_engine *engine;
+    assert_int_equal(dea_engine_open(&engine, error), DEA_OK);
+    enum dea_status status = run_on(engine, text, options, watch, stats, error);
+    dea_engine_close(engine);
+    return status;
+}
+
+#define DIVIDER "t\nV1 in 0 PULSE(0 100 0 10u 10u 1 2)\nR1 in p 1meg\nXdea p 0 pos DEA\n"
+
+/* ---- redoing steps ---- */
+
+/* Guard: `stats.points < 2` in ask_redo. A first step that is redone may lose half its charge: ngspice's capacitors
+ * have no current yet that could be integrated (the port model of deck.h does not lose any, other elements may).
+ * Nothing is asked about it, with an operating point and without; and whatever else is redone, a constant current is
+ * integrated exactly. */
+static void test_first_steps_are_never_redone(void **state) {
+    (void)state;
+    for (int uic = 0; uic < 2; uic++) {
+        struct watch watch = {.redo = REDO_ONCE, .current = 1e-6};
+        struct dea_engine_stats stats;
+        struct dea_error error;
+        struct dea_deck_options options = usual_options();
+        options.uic = uic;
+        const char *text = uic ? "t\nI1 0 p 1u\nR1 p 0 1e15\nXdea p 0 pos DEA\n"
+                               : "t\nI1 0 p PULSE(0 1u 0 1f 1f 1 2)\nR1 p 0 1e15\nXdea p 0 pos DEA\n";
+        if (run(text, &options, &watch, &stats, &error) != DEA_OK)
+            fail_msg("%s", error.text);
+        assert_true(stats.redone > 20);
+        assert_true(watch.points_before >= 2);
+        if (!(watch.worst_charge < 1e-6 * 1e-6 * options.stop))
+            fail_msg("uic %d: the charge is %g C off", uic, watch.worst_charge);
+    }
+}
+
+/* Guards: `0.5 * delta < floor` and `shorter >= floor` in ask_redo. ngspice does not check the length of a step we ask
+ * for: whoever is never content would keep it for ever. The run ends with the reason. */
+static void test_redo_has_a_floor(void **state) {
+    (void)state;
+    struct watch watch = {.redo = REDO_ALWAYS};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "the run is not advancing past t = "));
+    assert_non_null(strstr(error.text, "redone for the device"));
+    assert_true(watch.shortest_asked >= 2.0 * FLOOR * (1.0 - 1e-9));
+    assert_true(stats.shortest >= FLOOR * (1.0 - 1e-6));
+}
+
+/* Guard: `shorter > 0.9 * delta` in ask_redo. A redo that is not shorter would be the same step again. */
+static void test_redone_step_is_shorter(void **state) {
+    (void)state;
+    struct watch watch = {.redo = REDO_LONGER};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_OK);
+    assert_int_equal(stats.redone, 99);
+    assert_false(watch.asked_again_longer);
+}
+
+/* Guard: `redo_possible`. What event-driven parts did in a step is not undone with it. */
+static void test_events_forbid_redo(void **state) {
+    (void)state;
+    struct watch with = {.redo = REDO_ONCE}, without = {.redo = REDO_ONCE};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(
+        run(DIVIDER "A1 p b gain3\n.model gain3 gain(gain=3)\nR2 b 0 1k\n", &options, &with, &stats, &error), DEA_OK);
+    assert_int_equal(with.asked, 0);
+    assert_int_equal(stats.redone, 0);
+    assert_int_equal(run(DIVIDER "E1 b 0 p 0 3\nR2 b 0 1k\n", &options, &without, &stats, &error), DEA_OK);
+    assert_true(without.asked > 20);
+}
+
+/* ---- lengths of steps ---- */
+
+static double ask_nothing(long step, double delta) {
+    (void)step;
+    (void)delta;
+    return 0.0;
+}
+
+/* Guard: the floor under what before_step asks for. A step of no length would be repeated for ever. */
+static void test_asking_for_nothing_gets_the_floor(void **state) {
+    (void)state;
+    struct watch watch = {.request = ask_nothing};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "the run is not advancing past t = "));
+    assert_true(stats.shortest >= FLOOR * (1.0 - 1e-6));
+    assert_true(watch.steps < 20000); /* guard: TINY_WINDOW in check_progress, long before the other window */
+}
+
+static double ask_twice(long step, double delta) {
+    (void)step;
+    return 2.0 * delta;
+}
+
+/* Guard: `wanted < *delta`. A longer step would jump the source's corners at 1 and 1.01 ms. */
+static void test_longer_steps_are_not_taken(void **state) {
+    (void)state;
+    struct watch watch = {.request = ask_twice, .current = 0.0};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_OK);
+    assert_true(watch.largest_step <= MAX_STEP * (1.0 + 1e-9));
+}
+
+static double ask_unevenly(long step, double delta) {
+    double wanted = step % 100 > 95 ? 1e-9 * MAX_STEP : 2e-10 * MAX_STEP; /* ngspice at most doubles a step */
+    return wanted < delta ? wanted : delta;
+}
+
+/* Guard: STALL_WINDOW in check_progress. Steps that are not all tiny do not bring the run forward either. */
+static void test_uneven_crawl_is_ended(void **state) {
+    (void)state;
+    struct watch watch = {.request = ask_unevenly};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "the run is not advancing past t = "));
+    assert_true(watch.steps > 50000);
+}
+
+/* Guard: the fourth number of .tran. Without it no step is longer than tstep, which is only the grid of a printout. */
+static void test_tstep_does_not_limit(void **state) {
+    (void)state;
+    struct watch watch = {0};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    struct dea_deck_options options = usual_options();
+    options.step = 1e-7;
+    assert_int_equal(run("t\nV1 p 0 100\nXdea p 0 pos DEA\n", &options, &watch, &stats, &error), DEA_OK);
+    assert_true(watch.largest_step > 0.9 * MAX_STEP);
+    assert_true(watch.points < 100);
+}
+
+/* ---- one run after the other ---- */
+
+/* Guard: unload. The stop condition of a run that was ended goes with its circuit, or it would end the next run too. */
+static void test_stopped_run_does_not_stop_the_next(void **state) {
+    (void)state;
+    struct watch first = {.stop_after = 10}, second = {0};
+    struct dea_engine_stats stats;
+    struct dea_error error;
+    const struct dea_deck_options options = usual_options();
+    struct dea_engine *engine;
+    assert_int_equal(dea_engine_open(&engine, &error), DEA_OK);
+    assert_int_equal(run_on(engine, DIVIDER, &options, &first, &stats, &error), DEA_STOPPED);
+    assert_int_equal(first.points, 10);
+    if (run_on(engine, DIVIDER, &options, &second, &stats, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_true(second.points > 50);
+    assert_true(stats.reached == options.stop);
+    dea_engine_close(engine);
+}
+
+/* A circuit after which ngspice asks to exit, then a good one. */
+static enum dea_status run_after_exit(struct dea_channel *channel, void *context, struct dea_error *error) {
+    (void)channel;
+    (void)context;
+    struct watch watch = {0};
+    struct dea_engine_stats stats;
+    struct dea_engine *engine;
+    const struct dea_deck_options options = usual_options();
+    DEA_TRY(dea_engine_open(&engine, error));
+    enum dea_status status = run_on(engine, DIVIDER "R2 p 0 {foo*2}\n", &options, &watch, &stats, error);
+    dea_engine_close(engine);
+    if (status != DEA_ERR_INPUT)
+        return dea_fail(error, DEA_ERR_INTERNAL, "the first circuit was not refused");
+    return dea_engine_open(&engine, error);
+}
+
+/* Guard: `library_dead`. After ngspice has asked to exit, a call into it would crash. */
+static void test_no_engine_after_exit(void **state) {
+    (void)state;
+    struct dea_error error;
+    assert_int_equal(dea_isolate_run(run_after_exit, NULL, NULL, NULL, NULL, &error), DEA_ERR_SOLVER);
+    assert_non_null(strstr(error.text, "ngspice has asked to exit and cannot be used again in this process"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_first_steps_are_never_redone),
+        cmocka_unit_test(test_redo_has_a_floor),
+        cmocka_unit_test(test_redone_step_is_shorter),
+        cmocka_unit_test(test_events_forbid_redo),
+        cmocka_unit_test(test_asking_for_nothing_gets_the_floor),
+        cmocka_unit_test(test_longer_steps_are_not_taken),
+        cmocka_unit_test(test_uneven_crawl_is_ended),
+        cmocka_unit_test(test_tstep_does_not_limit),
+        cmocka_unit_test(test_stopped_run_does_not_stop_the_next),
+        cmocka_unit_test(test_no_engine_after_exit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
