@@ -1,11 +1,11 @@
 /* deasim fit: elastic laws from pull tests, branches from relaxation or creep. */
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/fit_print.h"
 #include "cli/options.h"
 
 #include "deasim/quantity.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -99,7 +99,8 @@ static enum dea_status parse_law(const char *text, enum dea_law_kind *law, struc
     return DEA_OK;
 }
 
-static enum dea_status parse_option(int letter, struct fit_options *options, struct dea_error *error) {
+static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
+    struct fit_options *options = context;
     switch (letter) {
     case OPTION_LAW:
         return parse_law(optarg, &options->law, error);
@@ -130,7 +131,7 @@ static enum dea_status parse_option(int letter, struct fit_options *options, str
         return DEA_OK;
     default:
         options->help = true;
-        return DEA_OK;
+        return DEA_STOPPED;
     }
 }
 
@@ -149,14 +150,7 @@ static enum dea_status parse_options(int argc, char **argv, struct fit_options *
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
     *options = (struct fit_options){.test = {.lam2 = 1.0, .start = 1.0}, .law = DEA_GENT};
-    optind = 1;
-    opterr = 0;
-    for (int letter; !options->help && (letter = getopt_long(argc, argv, ":o:h", known, NULL)) != -1;) {
-        if (letter == ':' || letter == '?')
-            return dea_fail(error, DEA_ERR_INPUT, "%s %s, see deasim fit --help",
-                            letter == ':' ? "a value is missing after" : "unknown option", argv[optind - 1]);
-        DEA_TRY(parse_option(letter, options, error));
-    }
+    DEA_TRY(cli_walk_options(argc, argv, "o:h", known, take_option, options, error));
     if (options->help)
         return DEA_OK;
     if (optind + 1 != argc)

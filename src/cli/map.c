@@ -1,4 +1,5 @@
 /* deasim map: a design map over two parameters, as CSV and PNG. */
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/design_options.h"
 #include "cli/options.h"
@@ -6,7 +7,6 @@
 
 #include "deasim/map.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,7 +97,8 @@ static enum dea_status parse_threads(const char *text, int *threads, struct dea_
     return DEA_OK;
 }
 
-static enum dea_status parse_option(int letter, struct map_options *options, struct dea_error *error) {
+static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
+    struct map_options *options = context;
     switch (letter) {
     case OPTION_X:
         options->texts[0] = optarg;
@@ -123,7 +124,7 @@ static enum dea_status parse_option(int letter, struct map_options *options, str
         return DEA_OK;
     case 'h':
         options->help = true;
-        return DEA_OK;
+        return DEA_STOPPED;
     default:
         return cli_parse_design_option(letter, &options->design, error);
     }
@@ -141,14 +142,7 @@ static enum dea_status parse_options(int argc, char **argv, struct map_options *
                                           {NULL, 0, NULL, 0}};
     options->directory = "map";
     options->map.x.count = options->map.y.count = DEFAULT_COUNT;
-    optind = 1;
-    opterr = 0;
-    for (int letter; !options->help && (letter = getopt_long(argc, argv, ":n:o:h", known, NULL)) != -1;) {
-        if (letter == ':' || letter == '?')
-            return dea_fail(error, DEA_ERR_INPUT, "%s %s, see deasim map --help",
-                            letter == ':' ? "a value is missing after" : "unknown option", argv[optind - 1]);
-        DEA_TRY(parse_option(letter, options, error));
-    }
+    DEA_TRY(cli_walk_options(argc, argv, "n:o:h", known, take_option, options, error));
     if (options->help)
         return DEA_OK;
     DEA_TRY(cli_finish_design(argc, argv, &options->design, &options->map.base, NULL, error));

@@ -1,4 +1,5 @@
 /* deasim optimum: the design that moves its platform farthest. */
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/design_options.h"
 #include "cli/optimum_print.h"
@@ -7,7 +8,6 @@
 
 #include "deasim/quantity.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,7 +102,8 @@ static enum dea_status parse_tension(const char *text, double *tension, struct d
     return DEA_OK;
 }
 
-static enum dea_status parse_option(int letter, struct optimum_options *options, struct dea_error *error) {
+static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
+    struct optimum_options *options = context;
     switch (letter) {
     case OPTION_FREE:
         options->free_list = optarg;
@@ -129,7 +130,7 @@ static enum dea_status parse_option(int letter, struct optimum_options *options,
         return DEA_OK;
     case 'h':
         options->help = true;
-        return DEA_OK;
+        return DEA_STOPPED;
     default:
         return cli_parse_design_option(letter, &options->design, error);
     }
@@ -164,14 +165,7 @@ static enum dea_status parse_options(int argc, char **argv, struct optimum_optio
                                           {"json", no_argument, NULL, OPTION_JSON},
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
-    optind = 1;
-    opterr = 0;
-    for (int letter; !options->help && (letter = getopt_long(argc, argv, ":h", known, NULL)) != -1;) {
-        if (letter == ':' || letter == '?')
-            return dea_fail(error, DEA_ERR_INPUT, "%s %s, see deasim optimum --help",
-                            letter == ':' ? "a value is missing after" : "unknown option", argv[optind - 1]);
-        DEA_TRY(parse_option(letter, options, error));
-    }
+    DEA_TRY(cli_walk_options(argc, argv, "h", known, take_option, options, error));
     return options->help ? DEA_OK : finish_options(argc, argv, options, error);
 }
 

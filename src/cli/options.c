@@ -1,9 +1,9 @@
 /* Shared options of the commands that read scenes. */
 #include "cli/options.h"
 
+#include "cli/arguments.h"
 #include "deasim/quantity.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,35 +29,30 @@ int cli_report(const char *command, const struct dea_error *error) {
     return dea_exit_code(error->status);
 }
 
-enum dea_status cli_add_override(struct cli_options *options, const char *text) {
+enum dea_status cli_add_override(struct cli_options *options, const char *text, struct dea_error *error) {
     const char *equals = strchr(text, '=');
-    if (equals == NULL || equals == text) {
-        fprintf(stderr, "deasim: --set %s: write key=value, for example --set transient.stop=\"10 ms\"\n", text);
-        return DEA_ERR_INPUT;
-    }
-    if (options->override_count == CLI_MAX_OVERRIDES) {
-        fprintf(stderr, "deasim: --set: at most %d overrides\n", CLI_MAX_OVERRIDES);
-        return DEA_ERR_INPUT;
-    }
+    if (equals == NULL || equals == text)
+        return dea_fail(error, DEA_ERR_INPUT, "--set %s: write key=value, for example --set transient.stop=\"10 ms\"",
+                        text);
+    if (options->override_count == CLI_MAX_OVERRIDES)
+        return dea_fail(error, DEA_ERR_INPUT, "--set: at most %d overrides", CLI_MAX_OVERRIDES);
     char *copy = strdup(text);
     if (copy == NULL)
-        return DEA_ERR_MEMORY;
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for --set %s", text);
     copy[equals - text] = '\0';
     options->override_texts[options->override_count] = copy;
     options->overrides[options->override_count++] = (struct dea_override){copy, copy + (equals - text) + 1};
     return DEA_OK;
 }
 
-static enum dea_status parse_accuracy(const char *text, double *accuracy) {
-    struct dea_error error;
-    if (dea_quantity_parse(text, "1", accuracy, &error) != DEA_OK || !(*accuracy >= 1e-12 && *accuracy <= 0.1)) {
-        fprintf(stderr, "deasim: --accuracy %s: a number from 1e-12 to 0.1 is allowed\n", text);
-        return DEA_ERR_INPUT;
-    }
+static enum dea_status parse_accuracy(const char *text, double *accuracy, struct dea_error *error) {
+    struct dea_error inner;
+    if (dea_quantity_parse(text, "1", accuracy, &inner) != DEA_OK || !(*accuracy >= 1e-12 && *accuracy <= 0.1))
+        return dea_fail(error, DEA_ERR_INPUT, "--accuracy %s: a number from 1e-12 to 0.1 is allowed", text);
     return DEA_OK;
 }
 
-static enum dea_status parse_engine(const char *text, enum dea_engine_choice *engine) {
+static enum dea_status parse_engine(const char *text, enum dea_engine_choice *engine, struct dea_error *error) {
     static const char *const names[] = {"auto", "ngspice", "native"};
     for (int i = 0; i < 3; i++) {
         if (strcmp(text, names[i]) == 0) {
@@ -65,60 +60,56 @@ static enum dea_status parse_engine(const char *text, enum dea_engine_choice *en
             return DEA_OK;
         }
     }
-    fprintf(stderr, "deasim: --engine %s: auto, ngspice or native is allowed\n", text);
-    return DEA_ERR_INPUT;
+    return dea_fail(error, DEA_ERR_INPUT, "--engine %s: auto, ngspice or native is allowed", text);
 }
 
-static enum dea_status parse_time_limit(const char *text, double *limit) {
-    struct dea_error error;
-    if (dea_quantity_parse(text, "s", limit, &error) == DEA_OK && *limit > 0.0)
+static enum dea_status parse_time_limit(const char *text, double *limit, struct dea_error *error) {
+    struct dea_error inner;
+    if (dea_quantity_parse(text, "s", limit, &inner) == DEA_OK && *limit > 0.0)
         return DEA_OK;
-    fprintf(stderr, "deasim: --time-limit %s: a time above 0 is allowed, for example 10min\n", text);
-    return DEA_ERR_INPUT;
+    return dea_fail(error, DEA_ERR_INPUT, "--time-limit %s: a time above 0 is allowed, for example 10min", text);
+}
+
+static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
+    struct cli_options *options = context;
+    switch (letter) {
+    case 'o':
+        options->directory = optarg;
+        return DEA_OK;
+    case OPTION_ACCURACY:
+        return parse_accuracy(optarg, &options->accuracy, error);
+    case OPTION_SET:
+        return cli_add_override(options, optarg, error);
+    case OPTION_TRUST:
+        options->trust_netlist = true;
+        return DEA_OK;
+    case OPTION_ENGINE:
+        return parse_engine(optarg, &options->engine, error);
+    case OPTION_TIME_LIMIT:
+        return parse_time_limit(optarg, &options->time_limit, error);
+    case OPTION_JSON:
+        options->json = true;
+        return DEA_OK;
+    case 'q':
+        options->quiet = true;
+        return DEA_OK;
+    case 'v':
+        options->verbose = true;
+        return DEA_OK;
+    default:
+        options->help = true;
+        return DEA_STOPPED;
+    }
 }
 
 int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli_options *options) {
+    struct dea_error error;
     memset(options, 0, sizeof *options);
-    optind = 1;
-    for (int choice; (choice = getopt_long(argc, argv, "o:qvh", long_options, NULL)) != -1;) {
-        enum dea_status status = DEA_OK;
-        switch (choice) {
-        case 'o':
-            options->directory = optarg;
-            break;
-        case OPTION_ACCURACY:
-            status = parse_accuracy(optarg, &options->accuracy);
-            break;
-        case OPTION_SET:
-            status = cli_add_override(options, optarg);
-            break;
-        case OPTION_TRUST:
-            options->trust_netlist = true;
-            break;
-        case OPTION_ENGINE:
-            status = parse_engine(optarg, &options->engine);
-            break;
-        case OPTION_TIME_LIMIT:
-            status = parse_time_limit(optarg, &options->time_limit);
-            break;
-        case OPTION_JSON:
-            options->json = true;
-            break;
-        case 'q':
-            options->quiet = true;
-            break;
-        case 'v':
-            options->verbose = true;
-            break;
-        case 'h':
-            fputs(usage, stdout);
-            return 0;
-        default: /* getopt has said what */
-            fprintf(stderr, "(deasim %s --help lists the options)\n", argv[0]);
-            return 2;
-        }
-        if (status != DEA_OK)
-            return dea_exit_code(status);
+    if (cli_walk_options(argc, argv, "o:qvh", long_options, take_option, options, &error) != DEA_OK)
+        return cli_report(argv[0], &error);
+    if (options->help) {
+        fputs(usage, stdout);
+        return 0;
     }
     if (optind >= argc) {
         fprintf(stderr, "deasim %s: name a scene file\n%s", argv[0], usage);

@@ -14,7 +14,7 @@ struct cli_options {
     struct dea_override overrides[CLI_MAX_OVERRIDES];
     char *override_texts[CLI_MAX_OVERRIDES]; /* owned copies the overrides point into */
     size_t override_count;
-    bool json, quiet, verbose;
+    bool json, quiet, verbose, help;
     bool trust_netlist;            /* --trust-netlist */
     enum dea_engine_choice engine; /* --engine */
     double time_limit;             /* --time-limit, s; 0: none */
@@ -28,8 +28,8 @@ void cli_clear_options(struct cli_options *options);
 /* Reads a scene with the options applied; reports a failure on stderr. */
 enum dea_status cli_read_scene(const char *path, const struct cli_options *options, struct dea_scene *scene);
 
-/* Splits "key=value" into an override; reports a mistake on stderr. */
-enum dea_status cli_add_override(struct cli_options *options, const char *text);
+/* Splits "key=value" into an override. */
+enum dea_status cli_add_override(struct cli_options *options, const char *text, struct dea_error *error);
 
 /* "deasim COMMAND: message" on stderr; returns the exit code of the status. */
 int cli_report(const char *command, const struct dea_error *error);

@@ -1,9 +1,9 @@
 /* deasim plot: the picture of a run. */
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/options.h"
 #include "deasim/result.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -25,17 +25,22 @@ static int plot_folder(const char *directory) {
     return 0;
 }
 
+static enum dea_status take_option(int letter, void *help, struct dea_error *error) {
+    (void)letter;
+    (void)error;
+    *(bool *)help = true;
+    return DEA_STOPPED;
+}
+
 int cli_plot(int argc, char **argv) {
     static const struct option long_options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    optind = 1;
-    int choice = getopt_long(argc, argv, "h", long_options, NULL);
-    if (choice == 'h') {
+    bool help = false;
+    struct dea_error error;
+    if (cli_walk_options(argc, argv, "h", long_options, take_option, &help, &error) != DEA_OK)
+        return cli_report("plot", &error);
+    if (help) {
         fputs(usage, stdout);
         return 0;
-    }
-    if (choice != -1) { /* getopt has said what */
-        fprintf(stderr, "(deasim plot --help lists the options)\n");
-        return 2;
     }
     if (optind >= argc) {
         fprintf(stderr, "deasim plot: name a result folder\n%s", usage);

@@ -1,4 +1,5 @@
 /* deasim static: equilibrium of a device at given voltages or fields, and its first failure. */
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/options.h"
 #include "cli/range.h"
@@ -7,7 +8,6 @@
 #include "deasim/quantity.h"
 #include "deasim/scene.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,6 +48,31 @@ static enum dea_status parse_right_voltage(const char *text, double *voltage, st
     return DEA_OK;
 }
 
+static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
+    struct options *options = context;
+    switch (letter) {
+    case 'V':
+        options->by_voltage = true;
+        return dea_range_parse("--voltage", optarg, "V", &options->range, error);
+    case 'E':
+        options->by_field = true;
+        return dea_range_parse("--field", optarg, "V/m", &options->range, error);
+    case 'r':
+        return parse_right_voltage(optarg, &options->right_voltage, error);
+    case OPTION_SET:
+        return cli_add_override(&options->common, optarg, error);
+    case OPTION_CSV:
+        options->csv = true;
+        return DEA_OK;
+    case OPTION_JSON:
+        options->json = true;
+        return DEA_OK;
+    default:
+        options->help = true;
+        return DEA_STOPPED;
+    }
+}
+
 static enum dea_status parse_options(int argc, char **argv, struct options *options, struct dea_error *error) {
     static const struct option known[] = {{"voltage", required_argument, NULL, 'V'},
                                           {"field", required_argument, NULL, 'E'},
@@ -57,41 +82,9 @@ static enum dea_status parse_options(int argc, char **argv, struct options *opti
                                           {"json", no_argument, NULL, OPTION_JSON},
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
-    int letter;
-    optind = 1;
-    opterr = 0;
-    while ((letter = getopt_long(argc, argv, ":V:E:r:h", known, NULL)) != -1) {
-        switch (letter) {
-        case 'V':
-            DEA_TRY(dea_range_parse("--voltage", optarg, "V", &options->range, error));
-            options->by_voltage = true;
-            break;
-        case 'E':
-            DEA_TRY(dea_range_parse("--field", optarg, "V/m", &options->range, error));
-            options->by_field = true;
-            break;
-        case 'r':
-            DEA_TRY(parse_right_voltage(optarg, &options->right_voltage, error));
-            break;
-        case OPTION_SET:
-            if (cli_add_override(&options->common, optarg) != DEA_OK)
-                return dea_fail(error, DEA_ERR_INPUT, "--set was not understood");
-            break;
-        case OPTION_CSV:
-            options->csv = true;
-            break;
-        case OPTION_JSON:
-            options->json = true;
-            break;
-        case 'h':
-            options->help = true;
-            return DEA_OK;
-        case ':':
-            return dea_fail(error, DEA_ERR_INPUT, "option %s lacks its value", argv[optind - 1]);
-        default:
-            return dea_fail(error, DEA_ERR_INPUT, "unknown option %s, see deasim static --help", argv[optind - 1]);
-        }
-    }
+    DEA_TRY(cli_walk_options(argc, argv, "V:E:r:h", known, take_option, options, error));
+    if (options->help)
+        return DEA_OK;
     if (optind >= argc)
         return dea_fail(error, DEA_ERR_INPUT, "no device file given, see deasim static --help");
     if (optind + 1 < argc)

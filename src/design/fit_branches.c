@@ -138,16 +138,9 @@ static enum dea_status fit_count(const struct step_problem *problem, const struc
                         squares.count + FEWEST_SPARE_POINTS);
     double best[DEA_FIT_PARAMETERS] = {0.0}, least = INFINITY;
     for (double shift = -0.3; shift < 0.4; shift += 0.3) {
-        double q[DEA_FIT_PARAMETERS] = {0.0}, cost;
+        double q[DEA_FIT_PARAMETERS] = {0.0};
         choose_start(problem, data, shift, q);
-        enum dea_status status = dea_least_squares_solve(&squares, q, &cost, error);
-        if (status != DEA_OK && status != DEA_RECOVERABLE)
-            return status;
-        if (status == DEA_OK && cost < least) {
-            least = cost;
-            for (int i = 0; i < squares.count; i++)
-                best[i] = q[i];
-        }
+        DEA_TRY(dea_least_squares_try(&squares, q, best, &least, error));
     }
     if (!isfinite(least))
         return dea_fail(error, DEA_ERR_SOLVER, "no sum of %d branch%s comes near these data", problem->branches,

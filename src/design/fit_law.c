@@ -232,17 +232,10 @@ enum dea_status dea_fit_law(const struct dea_pull_test *test, const struct dea_c
     /* the best of several starts */
     double best[DEA_FIT_PARAMETERS] = {0.0}, least = INFINITY;
     for (int start = 0; start < MAX_STARTS; start++) {
-        double q[DEA_FIT_PARAMETERS] = {0.0}, cost;
+        double q[DEA_FIT_PARAMETERS] = {0.0};
         if (!choose_start(&problem, data, start, q))
             break;
-        enum dea_status status = dea_least_squares_solve(&squares, q, &cost, error);
-        if (status != DEA_OK && status != DEA_RECOVERABLE)
-            return status;
-        if (status == DEA_OK && cost < least) {
-            least = cost;
-            for (int i = 0; i < squares.count; i++)
-                best[i] = q[i];
-        }
+        DEA_TRY(dea_least_squares_try(&squares, q, best, &least, error));
     }
     if (!isfinite(least))
         return dea_fail(error, DEA_ERR_SOLVER,

@@ -69,18 +69,23 @@ static double sum_of_squares(const struct minpack *minpack) {
     return norm * norm;
 }
 
-enum dea_status dea_least_squares_solve(const struct dea_least_squares *problem, double *q, double *cost,
-                                        struct dea_error *error) {
+enum dea_status dea_least_squares_try(const struct dea_least_squares *problem, double *q, double *best, double *least,
+                                      struct dea_error *error) {
     struct minpack minpack;
     DEA_TRY(minpack_prepare(problem, &minpack, error));
     int verdict = minpack_run(&minpack, q, MAX_EVALUATIONS);
-    *cost = sum_of_squares(&minpack);
+    double cost = sum_of_squares(&minpack);
     bool outside = false;
     for (size_t i = 0; i < problem->data->count; i++)
         outside = outside || !isfinite(problem->predict(q, problem->data->values[0][i], problem->context));
     minpack_free(&minpack);
     /* 1 to 4 arrived, 6 to 8 arrived as closely as rounding allows, 5 ran out of evaluations */
-    return verdict < 1 || verdict == 5 || outside || !isfinite(*cost) ? DEA_RECOVERABLE : DEA_OK;
+    bool arrived = verdict >= 1 && verdict != 5 && !outside && isfinite(cost);
+    if (arrived && cost < *least) {
+        *least = cost;
+        memcpy(best, q, (size_t)problem->count * sizeof *best);
+    }
+    return DEA_OK;
 }
 
 /* 97.5 % point of Student's t: Abramowitz and Stegun, Handbook of Mathematical Functions, 26.7.5. */

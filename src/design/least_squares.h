@@ -14,9 +14,10 @@ struct dea_least_squares {
     int count; /* parameters */
 };
 
-/* Improves q from its start; *cost is the sum of squared residuals. DEA_RECOVERABLE when it leads nowhere. */
-enum dea_status dea_least_squares_solve(const struct dea_least_squares *problem, double *q, double *cost,
-                                        struct dea_error *error);
+/* Improves q from its start and keeps it in `best` if its sum of squared residuals is below *least, which then becomes
+ * that. A start that leads nowhere is passed over. */
+enum dea_status dea_least_squares_try(const struct dea_least_squares *problem, double *q, double *best, double *least,
+                                      struct dea_error *error);
 
 /* Fills a fit at the solution. Parameters marked in `logarithmic` are exp(q); their names and units are set before. */
 enum dea_status dea_least_squares_judge(const struct dea_least_squares *problem, const double *q,

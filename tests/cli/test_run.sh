@@ -90,7 +90,13 @@ has err 'one scene at a time (deasim test runs several); what is "other.yaml"?'
 expect 2 "$DEASIM" run
 has err "name a scene file"
 expect 2 "$DEASIM" run scene.yaml --bogus
-has err "deasim run --help lists the options"
+has err "deasim run: unknown option --bogus, see deasim run --help"
+expect 2 "$DEASIM" run scene.yaml -z
+has err "deasim run: unknown option -z, see deasim run --help"
+expect 2 "$DEASIM" run scene.yaml --json=1
+has err "deasim run: --json takes no value, see deasim run --help"
+expect 2 "$DEASIM" run scene.yaml -o
+has err "deasim run: a value is missing after -o, see deasim run --help"
 
 # ---- the sample time changes the files and nothing else: equal values at common times, equal steps ----
 expect 0 "$DEASIM" run scene.yaml --json --set output.formats="[csv]" -o coarse --set output.sample="0.4 ms"

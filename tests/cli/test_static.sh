@@ -123,7 +123,7 @@ refuse 'give either --voltage or --field' device.yaml --voltage 1 --field 1
 refuse 'give either --csv or --json' device.yaml --voltage 1 --csv --json
 refuse '"more" is one argument too many' device.yaml more --voltage 1
 refuse 'unknown option --volts' device.yaml --volts 1
-refuse 'option --voltage lacks its value' device.yaml --voltage
+refuse 'a value is missing after --voltage, see deasim static --help' device.yaml --voltage
 refuse '--voltage: "0:1" lacks the number of points, first:last:count' device.yaml --voltage 0:1
 refuse '--voltage: "1" is not a number of points; 2 to 1000000 are allowed' device.yaml --voltage 0:1:1
 refuse '--voltage: "0:1:2:3" is neither a value nor first:last:count' device.yaml --voltage 0:1:2:3
