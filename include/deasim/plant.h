@@ -99,10 +99,16 @@ struct dea_outlook {
     double charge_stiffness;                          /* of the platform at given charges, N/m */
     double charge[DEA_ZONES], charge_rate[DEA_ZONES]; /* C, A, at start */
     double capacitance[DEA_ZONES];                    /* F, at start */
+    /* With inertia: amplitude of the swing about the place where the forces balance (INFINITY where they hold none),
+     * that place, and the velocity it moves at. */
+    double swing, balance, creep; /* m, m, m/s */
 };
 
 /* Looks ahead over a step of about `horizon` (s). DEA_RECOVERABLE outside the model. */
 enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *outlook);
+
+/* Leaves the swing out: a platform with inertia that stays where the forces balance, as far ahead as they creep. */
+void dea_outlook_rest(struct dea_outlook *outlook);
 
 /* How much a taut film's capacitance gives way to its own voltage through the platform within a time h (s):
  * d(C)/d(V^2), F/V^2. */

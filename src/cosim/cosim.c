@@ -18,8 +18,13 @@
 /* Of A, to the mismatch of one exchange: with inertia mismatches add up to velocity, without they are forgotten. */
 #define COUPLING_SHARE 0.01
 #define FORGOTTEN_SHARE 0.03
+/* A swing below these parts of A, in capacitance and of the largest displacement, is left out: the platform rests. */
+#define REST_SHARE 0.1
+#define REST_SHARE_OF_POSITION 0.25
 #define FIT_SHARE 0.02          /* of A, to the charge fits */
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
+/* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
+#define SWING_REACH 0.7
 #define MAX_REST_ROUNDS 50
 
 struct cosim {
@@ -44,6 +49,7 @@ struct cosim {
     double rest_change;    /* largest relative change of the last round */
     /* exchange */
     double horizon, exchanged_at, reached, slowest; /* s */
+    bool rests;                                     /* swings that are small enough are left out */
     enum dea_status status;                         /* of a callback that cannot fail */
     struct dea_error failure;
 };
@@ -71,11 +77,16 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
         if (scene->policies[kind] != DEA_POLICY_IGNORE)
             kinds |= 1u << kind;
     bool each_once = run->count == scene->device_count;
+    run->rests = !run->control->restless && run->control->horizon <= 0.0;
     for (int i = 0; i < run->count; i++) {
         const struct dea_netlist_instance *instance = &run->netlist->instances[i];
         const struct dea_device *device = &scene->devices[instance->device].device;
-        struct coupled_demand demand = {PLANT_SHARE * scene->accuracy, run->stop, cosim_expect_voltage(device),
-                                        scene->policies[DEA_EVENT_BREAKDOWN] > DEA_POLICY_WARN};
+        struct coupled_demand demand = {PLANT_SHARE * scene->accuracy,
+                                        run->stop,
+                                        cosim_expect_voltage(device),
+                                        scene->policies[DEA_EVENT_BREAKDOWN] > DEA_POLICY_WARN,
+                                        run->rests ? REST_SHARE * scene->accuracy : 0.0,
+                                        run->rests ? REST_SHARE_OF_POSITION * scene->accuracy : 0.0};
         DEA_TRY(
             coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL, &demand, error));
         DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
@@ -137,8 +148,12 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
                         "t = %.9g s: the coupling collapsed: exchanges %.3g s apart still differ %.3g times as much in "
                         "capacitance as they may",
                         run->reached, run->horizon, mismatch);
-    for (int i = 0; i < run->count; i++)
+    for (int i = 0; i < run->count; i++) {
+        const struct coupled *device = &run->devices[i];
         DEA_TRY(coupled_renew(&run->devices[i], run->horizon, error));
+        if (device->device->effective_mass > 0.0 && !device->at_rest && run->rests)
+            run->horizon = fmin(run->horizon, SWING_REACH * natural_time(device->device));
+    }
     return observer_write(run->observer, run->reached, error);
 }
 

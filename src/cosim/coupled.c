@@ -24,7 +24,12 @@ int coupled_order_ports(const struct dea_device *device, int zones[DEA_ZONES]) {
 enum dea_status coupled_create(struct coupled *coupled, const struct dea_device *device,
                                const struct dea_waveform *load, const struct coupled_demand *demand,
                                struct dea_error *error) {
-    *coupled = (struct coupled){.device = device, .load = load, .told_at = NAN, .watched = demand->breakdown};
+    *coupled = (struct coupled){.device = device,
+                                .load = load,
+                                .told_at = NAN,
+                                .watched = demand->breakdown,
+                                .rest_capacitance = demand->rest_capacitance,
+                                .rest_position = demand->rest_position};
     struct dea_plant_options options = {.accuracy = demand->accuracy,
                                         .duration = demand->duration,
                                         .load_peak =
@@ -329,6 +334,14 @@ static enum dea_status follow_piece(struct coupled *coupled, int index, double e
     return DEA_OK;
 }
 
+/* Relative change of capacitance that the platform's swing makes. */
+static double swing_in_capacitance(const struct coupled *coupled) {
+    double shortest = INFINITY;
+    for (int p = 0; p < coupled->port_count; p++)
+        shortest = fmin(shortest, coupled->device->zones[coupled->zones[p]].length);
+    return 2.0 * coupled->outlook.swing / shortest; /* C goes as the square of the length */
+}
+
 enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_tolerance, struct observer *observer,
                                 struct exchange *exchange, struct dea_error *error) {
     *exchange = (struct exchange){.policy = DEA_POLICY_IGNORE};
@@ -359,9 +372,11 @@ enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_t
     if (exchange->policy == DEA_POLICY_STOP)
         book_until(coupled, index, dea_plant_time(coupled->plant), observer);
     DEA_TRY(look_ahead(coupled, coupled->horizon, error));
+    /* what an outlook at rest leaves out on purpose is none of its faults */
+    double left_out = coupled->at_rest ? fmin(swing_in_capacitance(coupled), coupled->rest_capacitance) : 0.0;
     for (int p = 0; p < coupled->port_count; p++) {
         double actual = coupled->outlook.capacitance[coupled->zones[p]];
-        exchange->mismatch = fmax(exchange->mismatch, fabs(foreseen[p] - actual) / actual);
+        exchange->mismatch = fmax(exchange->mismatch, fabs(foreseen[p] - actual) / actual - left_out);
     }
     return DEA_OK;
 }
@@ -373,6 +388,11 @@ enum dea_status coupled_renew(struct coupled *coupled, double horizon, struct de
         coupled->outlook.charge[coupled->zones[p]] = window->points[window->count - 1].q;
         window_restart(window);
     }
+    coupled->largest_position = fmax(coupled->largest_position, fabs(coupled->outlook.x[0]));
+    coupled->at_rest = swing_in_capacitance(coupled) < coupled->rest_capacitance &&
+                       coupled->outlook.swing < coupled->rest_position * coupled->largest_position;
+    if (coupled->at_rest)
+        dea_outlook_rest(&coupled->outlook);
     double told_position = coupled->position;
     memset(coupled->fading, 0, sizeof coupled->fading);
     for (int p = 0; p < coupled->port_count; p++) { /* the circuit's voltages stay what they are */

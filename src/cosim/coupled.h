@@ -39,9 +39,13 @@ struct coupled {
     double fading[DEA_ZONES], fading_position; /* F, m, at the start of the outlook */
     double last_told[DEA_ZONES];               /* F, at the end of the last outlook */
     struct port_books books, books_at_exchange;
-    bool pending;                     /* the interval to the last point has not been booked yet */
-    double shorted[DEA_ZONES];        /* conductance of a punctured film, S, per port */
-    bool watched;                     /* for breakdown: it ends an outlook at once */
+    bool pending;              /* the interval to the last point has not been booked yet */
+    double shorted[DEA_ZONES]; /* conductance of a punctured film, S, per port */
+    bool watched;              /* for breakdown: it ends an outlook at once */
+    /* a smaller swing, relative to the capacitances and to the displacement, is left out of the outlook */
+    double rest_capacitance, rest_position;
+    double largest_position;          /* m, so far */
+    bool at_rest;                     /* the present outlook has no swing */
     double largest_charge[DEA_ZONES]; /* C, so far */
 };
 
@@ -54,6 +58,8 @@ struct coupled_demand {
     double duration; /* s */
     double peak;     /* largest voltage at a port, V */
     bool breakdown;  /* breakdown has consequences */
+    /* A swing need not be foreseen below these parts of the capacitances and of the displacement; 0: all are. */
+    double rest_capacitance, rest_position;
 };
 
 /* Creates the plant with one charge port per electroded zone. */

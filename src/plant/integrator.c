@@ -12,10 +12,11 @@
 #define NEWTON_PART 0.05
 
 #define MAX_TEST_FAILURES 30 /* of one step: a film short or a corner may need one far shorter than the last */
-/* At rest for so many steps, each a good part of the natural period (in radians): see note_quiet. The swing left over
- * is in units of the step's tolerance. */
+/* At rest for so many steps, each a good part of the natural period (in radians): see note_quiet. The swing left over,
+ * and the one that ends the quiet, are in units of the step's tolerance. */
 #define QUIET_STEPS 40
 #define QUIET_SWING 100.0
+#define WAKING_SWING 1000.0
 #define SHORT_STEP 0.05
 #define LONG_STEP 5.0
 
@@ -289,17 +290,20 @@ static enum dea_status choose_first_step(struct dea_plant *plant, double limit, 
 /* Orders 3 to 5 of the BDF are unstable for an undamped oscillation once a step is a good part of its period: after a
  * ringing has died away they keep it alive at the tolerance, and the step with it, through hours of creep. Order 2 has
  * no such bound. It is taken while the platform moves far slower than it could swing, until the next corner of the
- * inputs. */
-static void note_quiet(struct dea_plant *plant) {
+ * inputs, or until it moves again: a circuit gives no corners. */
+static enum dea_status note_quiet(struct dea_plant *plant, struct dea_error *error) {
     double h = 0.0;
-    if (plant->v == ABSENT || plant->low_order || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
-        return;
+    if (plant->v == ABSENT || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
+        return DEA_OK;
     const double *y = N_VGetArrayPointer(plant->y);
     double omega = sqrt(fmax(plant->device->stiffness, 0.0) / plant->device->effective_mass);
     double swing = fabs(y[plant->v]) * plant->scale[plant->v];
     double size = omega * plant->largest[plant->x] * plant->scale[plant->x];
+    if (plant->low_order)
+        return swing > WAKING_SWING * plant->rtol * size ? plant_free_order(plant, error) : DEA_OK;
     bool quiet = swing < QUIET_SWING * plant->rtol * size && omega * h > SHORT_STEP && omega * h < LONG_STEP;
     plant->quiet_steps = quiet ? plant->quiet_steps + 1 : 0;
+    return DEA_OK;
 }
 
 /* At the start of a step: down to order 2 once quiet for long enough. */
@@ -363,7 +367,7 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no loss integrals", reached);
     note_step(plant);
     note_work(plant);
-    note_quiet(plant);
+    DEA_TRY(note_quiet(plant, error));
     if (!plant_judge_energy(plant))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no tolerance for the loss integrals", reached);
     plant->standstill = reached > plant->t_previous ? 0 : plant->standstill + 1;

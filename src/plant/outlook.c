@@ -40,9 +40,15 @@ static void look_at_platform(const struct dea_plant *plant, double horizon, stru
     out->x[0] = y[plant->x] * plant->scale[plant->x];
     out->x[1] = out->x[2] = out->x[3] = out->fast = 0.0;
     out->settling = 1.0;
+    out->swing = INFINITY;
     if (plant->motion == MOTION_INERTIAL) {
         double m = device->effective_mass, v = y[plant->v] * plant->scale[plant->v];
         double a = (plant->force - c * v) / m;
+        if (stiffness > SOFTEST * device->stiffness) {
+            out->creep = drift / stiffness;
+            out->balance = out->x[0] + m * a / stiffness;
+            out->swing = hypot(m * a / stiffness, (v - out->creep) * sqrt(m / stiffness));
+        }
         out->x[1] = v;
         out->x[2] = 0.5 * a;
         out->x[3] = (drift - stiffness * v - (c - plant->force_v) * a) / (6.0 * m);
@@ -58,6 +64,15 @@ static void look_at_platform(const struct dea_plant *plant, double horizon, stru
     } else {
         out->x[1] = stiffness > 0.0 ? drift / stiffness : 0.0;
     }
+}
+
+void dea_outlook_rest(struct dea_outlook *outlook) {
+    outlook->x[0] = outlook->balance;
+    outlook->x[1] = outlook->creep;
+    outlook->x[2] = outlook->x[3] = 0.0;
+    outlook->mass = outlook->damping = 0.0;
+    for (int k = 0; k < DEA_ZONES; k++) /* the circuit is asked for no offset where there is inertia */
+        outlook->soft_gain[k] = 0.0;
 }
 
 /* What a taut film's capacitance makes of its own voltage: (1/2) (dC/dx)^2 over the platform's resistance to motion. */

@@ -109,8 +109,8 @@ void run_scene(const struct dea_scene *scene, enum dea_engine_choice engine, dou
     rows->result.stats_run.wall_s = dea_clock() - started;
 }
 
-void run_with_horizon(const struct dea_scene *scene, double accuracy, double horizon, size_t samples,
-                      struct coupled_rows *rows) {
+void run_with_control(const struct dea_scene *scene, double accuracy, const struct cosim_control *control,
+                      size_t samples, struct coupled_rows *rows) {
     struct dea_scene copy = *scene;
     memset(rows, 0, sizeof *rows);
     copy.accuracy = accuracy;
@@ -118,12 +118,18 @@ void run_with_horizon(const struct dea_scene *scene, double accuracy, double hor
     struct dea_report silent = {0};
     struct dea_run_options options = {.report = &silent};
     struct row_sink sink = {.context = rows, .open = open_rows, .row = keep_row};
-    struct cosim_control control = {.horizon = horizon};
     struct dea_netlist netlist = {0};
+    double started = dea_clock();
     rows->status = cosim_read_netlist(&copy, false, &netlist, &rows->error);
     if (rows->status == DEA_OK)
-        rows->status = cosim_run(&copy, &netlist, &options, &control, &sink, NULL, &rows->result, &rows->error);
+        rows->status = cosim_run(&copy, &netlist, &options, control, &sink, NULL, &rows->result, &rows->error);
     dea_netlist_clear(&netlist);
+    rows->result.stats_run.wall_s = dea_clock() - started;
+}
+
+void run_with_horizon(const struct dea_scene *scene, double accuracy, double horizon, size_t samples,
+                      struct coupled_rows *rows) {
+    run_with_control(scene, accuracy, &(struct cosim_control){.horizon = horizon}, samples, rows);
 }
 
 void free_rows(struct coupled_rows *rows) {

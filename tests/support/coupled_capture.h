@@ -36,7 +36,11 @@ struct coupled_rows {
 /* Runs a scene as dea_run_scene does, `samples` rows after the first, at this accuracy. */
 void run_scene(const struct dea_scene *scene, enum dea_engine_choice engine, double accuracy, size_t samples,
                struct coupled_rows *rows);
-/* The same in this process, with an exchange every `horizon` (s). */
+/* The same in this process, with the coupling steered; see cosim/cosim.h. */
+struct cosim_control;
+void run_with_control(const struct dea_scene *scene, double accuracy, const struct cosim_control *control,
+                      size_t samples, struct coupled_rows *rows);
+/* With an exchange every `horizon` (s). */
 void run_with_horizon(const struct dea_scene *scene, double accuracy, double horizon, size_t samples,
                       struct coupled_rows *rows);
 void free_rows(struct coupled_rows *rows);
