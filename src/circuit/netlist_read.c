@@ -343,10 +343,10 @@ static enum dea_status take_line(struct reader *reader, struct scan *scan, char 
     }
     if (scan->in_control && strncasecmp(line, ".endc", 5) != 0)
         return DEA_OK;
-    size_t length = strlen(line);
+    strip_comment(line);
+    size_t length = strlen(line); /* without the comment and blanks that may have hidden the end */
     if (length >= 2 && line[length - 1] == '\\' && line[length - 2] == '\\')
         return fail_at(reader, scan, "continue a line with '+' on the next one, not with \\\\", "");
-    strip_comment(line);
     if (*line == '\0')
         return DEA_OK;
     for (const char *c = line; *c != '\0'; c++)

@@ -83,7 +83,7 @@ whole 2 "bad.cir: device DEA is never used; call it as Xname nodes DEA" "V1 left
 whole 3 "bad.cir:2: no operating point at t = 0, singular at left: a node without DC path to ground" \
     "I1 0 left 1u" "Rr right 0 1Meg" "Xdea left 0 right 0 pos DEA"
 bad 3 "bad.cir:6: no operating point at t = 0, singular at a: a node without DC path to ground" \
-    "Ca a b 1n" "Cb a b 2n" "Ib a b 1u"
+    "Ca a 0 1n" "Ia 0 a 1u"
 bad 3 "bad.cir:6: no operating point at t = 0, singular at v1#branch: voltage sources or inductors in a loop" \
     "V1 a 0 1" "V2 a 0 2"
 bad 3 'bad.cir:6: no operating point at t = 0, trouble with node "b"' "B1 b 0 V=V(b)>0.5 ? 0 : 1" "R2 b 0 1k"

@@ -211,6 +211,8 @@ static void test_bad_netlists(void **state) {
         {"t\n  .control\n", "main.cir:2: ", ".control blocks are refused"},
         {"t\n*# shell touch pwned\n", "main.cir:2: ", "lines beginning with *#"},
         {"t\n.con\\\\\ntrol\n", "main.cir:2: ", "not with \\\\"},
+        {"t\nR1 a 0 1\\\\ \v\n", "main.cir:2: ", "not with \\\\"},
+        {"t\nR1 a 0 1\\\\ ; more\n", "main.cir:2: ", "not with \\\\"},
         {"t\n.con\n+trol\n", "main.cir:2: ", ".con is not allowed"},
         {"t\n.exec touch pwned\n", "main.cir:2: ", ".exec is not allowed"},
         {"t\nshell touch pwned a b c\n.pre_osdi x.osdi\n", "main.cir:3: ", ".pre_osdi is not allowed"},
