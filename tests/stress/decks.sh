@@ -18,7 +18,7 @@ settings_of() {
     case $1 in
     self_sensing) echo '5u reltol=1e-5 1e-5' ;;
     cockcroft_walton) echo '0.5u reltol=1e-5 1e-4' ;;
-    bidirectional_flyback) echo '0.02u reltol=1e-5,trtol=1 1e-4' ;;
+    bidirectional_flyback) echo '0.05u reltol=1e-5,trtol=1 1e-4' ;;
     flyback_*) echo '0.02u reltol=1e-4,trtol=1 1e-4' ;;
     *) echo '10u reltol=1e-5 1e-5' ;;
     esac
