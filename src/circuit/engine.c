@@ -16,7 +16,6 @@
 #define STALL_SHARE 1e-6    /* ... by this share of its length */
 #define TINY_WINDOW 5000    /* candidates in a row, all shorter than ... */
 #define TINY_SHARE 1e-11    /* ... this share of the run, are a collapse */
-#define SEARCH_STEPS 2000   /* candidates a search for trouble may take */
 
 /* The engine ngspice's callbacks serve. ngspice itself is one per process, and so is this. */
 static struct dea_engine *current_engine;
@@ -111,8 +110,10 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
     (void)id;
     (void)context;
     struct dea_engine *engine = current_engine;
-    if (engine != NULL && engine->complaints.searching && --engine->search_steps == 0)
+    if (engine != NULL && engine->complaints.searching && --engine->search_steps == 0) {
+        engine->complaints.search_failed = true;
         stop_run(engine, DEA_ERR_SOLVER);
+    }
     if (engine == NULL || !engine->running)
         return 0;
     const struct dea_engine_callbacks *callbacks = engine->callbacks;
@@ -198,7 +199,7 @@ static int ignore_vectors(pvecinfoall info, int id, void *context) {
 
 /* ---- start ---- */
 
-static int command(const char *text) {
+int dea_engine_command(const char *text) {
     char buffer[256];
     snprintf(buffer, sizeof buffer, "%s", text);
     return ngSpice_Command(buffer);
@@ -248,8 +249,8 @@ static enum dea_status start_library(struct dea_error *error) {
     /* Its last resort for the operating point, a pseudo transient, can run for ever and asks for external values at
      * times of its own: without it the failure is clean and names the node. Threads cost more than they bring in small
      * circuits. */
-    command("optran 1 1 1 0 0 0");
-    command("set num_threads=1");
+    dea_engine_command("optran 1 1 1 0 0 0");
+    dea_engine_command("set num_threads=1");
     library_started = true;
     return DEA_OK;
 }
@@ -283,9 +284,9 @@ enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *er
 static void unload(struct dea_engine *engine) {
     if (engine->netlist != NULL && !library_dead) {
         current_engine = NULL;
-        command("destroy all");
-        command("delete all");
-        command("remcirc");
+        dea_engine_command("destroy all");
+        dea_engine_command("delete all");
+        dea_engine_command("remcirc");
         current_engine = engine;
     }
     dea_engine_clear_ports(engine);
@@ -364,74 +365,10 @@ void dea_engine_start_charge(struct dea_engine *engine, int instance, int port, 
     char text[256];
     snprintf(text, sizeof text, "alter @l.%s.lq%d[ic] = %.17g", called->path, port,
              charge / dea_port_charge_unit(&engine->devices[called->device].ports[port]));
-    command(text);
+    dea_engine_command(text);
 }
 
 /* ---- run ---- */
-
-/* ngspice names no unknown when the operating point fails, only when a transient does: lets one fail, of a few steps
- * from zero. */
-static void search_trouble(struct dea_engine *engine) {
-    const struct dea_deck_options *options = engine->options;
-    double step = options->step > 0.0 ? options->step : options->stop / 1000.0;
-    char text[128];
-    snprintf(text, sizeof text, "tran %.9g %.9g uic", step, 10.0 * step);
-    engine->complaints.searching = true;
-    engine->search_steps = SEARCH_STEPS;
-    command(text);
-    engine->complaints.searching = false;
-}
-
-/* Why there is no operating point. */
-static enum dea_status judge_start(struct dea_engine *engine, struct dea_error *error) {
-    struct dea_complaints *complaints = &engine->complaints;
-    char what[1200];
-    if (complaints->misread) {
-        char element[DEA_TOKEN_MAX + 16] = "instance ";
-        if (complaints->count > 0 &&
-            sscanf(complaints->texts[0], "Fatal error: %255[^: ]:", element + strlen("instance ")) == 1)
-            dea_engine_place_complaint(engine, element);
-        return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", NULL, error);
-    }
-    if (strchr(complaints->singular, '#') != NULL) {
-        dea_engine_place_complaint(engine, complaints->singular);
-        snprintf(what, sizeof what,
-                 "no operating point at t = 0, singular at %s: voltage sources or inductors in a loop, whose current "
-                 "nothing determines (help: a small resistor in series)",
-                 complaints->singular);
-    } else if (complaints->singular[0] != '\0') {
-        dea_engine_place_complaint(engine, complaints->singular);
-        snprintf(what, sizeof what,
-                 "no operating point at t = 0, singular at %s: a node without DC path to ground, or sources that "
-                 "contradict each other (help: a large resistor from it to ground, .options rshunt=1e12, or uic)",
-                 complaints->singular);
-    } else if (!complaints->exit_requested) {
-        search_trouble(engine);
-        dea_engine_place_complaint(engine, complaints->worst);
-        snprintf(what, sizeof what, "no operating point at t = 0%s%s%s",
-                 complaints->worst[0] != '\0' ? ", trouble with " : "", complaints->worst,
-                 complaints->worst[0] == '\0' ? " (a start from zero works: .tran with uic, or .nodeset)" : "");
-    } else {
-        snprintf(what, sizeof what, "no operating point at t = 0");
-    }
-    return dea_engine_complain(engine, DEA_ERR_SOLVER, what, NULL, error);
-}
-
-/* What an early end of the transient means. */
-static enum dea_status judge_failure(struct dea_engine *engine, struct dea_error *error) {
-    struct dea_complaints *complaints = &engine->complaints;
-    char what[1200], steps[800];
-    if (engine->stats.points == 0)
-        return judge_start(engine, error);
-    if (engine->stats.reached >= engine->options->stop)
-        return dea_engine_complain(engine, DEA_ERR_SOLVER, "the circuit reported errors during the run", NULL, error);
-    dea_engine_describe_steps(engine, steps, sizeof steps);
-    if (complaints->place < 0)
-        dea_engine_place_complaint(engine, complaints->worst);
-    snprintf(what, sizeof what, "the circuit gave up at t = %.9g s%s%s", engine->stats.reached,
-             complaints->worst[0] != '\0' ? ", trouble with " : "", complaints->worst);
-    return dea_engine_complain(engine, DEA_ERR_SOLVER, what, steps, error);
-}
 
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error) {
     if (engine->netlist == NULL || library_dead)
@@ -449,7 +386,7 @@ enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *erro
             return dea_fail(error, DEA_ERR_SOLVER, "ngspice refuses a breakpoint at t = %.9g s",
                             engine->breakpoints[i]);
     engine->running = true;
-    command("run");
+    dea_engine_command("run");
     engine->running = false;
     engine->run_error = NULL;
     if (engine->verdict != DEA_OK) {
@@ -459,7 +396,7 @@ enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *erro
     }
     if (engine->complaints.aborted || engine->complaints.exit_requested ||
         engine->stats.reached < engine->options->stop)
-        return judge_failure(engine, error);
+        return dea_engine_judge_failure(engine, error);
     return DEA_OK;
 }
 

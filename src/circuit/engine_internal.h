@@ -1,4 +1,5 @@
-/* Parts of the engine: running (engine.c), external numbers and samples (ports.c), what ngspice says (messages.c). */
+/* Parts of the engine: running (engine.c), failures (verdict.c), external numbers and samples (ports.c), what ngspice
+ * says (messages.c). */
 #ifndef DEASIM_CIRCUIT_ENGINE_INTERNAL_H
 #define DEASIM_CIRCUIT_ENGINE_INTERNAL_H
 
@@ -23,12 +24,13 @@ struct dea_step_record {
 struct dea_complaints {
     char *texts[DEA_COMPLAINTS_MAX]; /* owned */
     int count;
-    int place;            /* index into netlist lines, -1: not known */
-    int expect_detail;    /* lines to come that belong to the error before */
-    bool exit_requested;  /* ControlledExit: ngspice is unusable from now on */
-    bool aborted;         /* the transient ended early */
-    bool misread;         /* ngspice took the circuit but not a value in it: bad input, found late */
-    bool searching;       /* for the trouble behind a failed start: errors are no news, only `worst` counts */
+    int place;           /* index into netlist lines, -1: not known */
+    int expect_detail;   /* lines to come that belong to the error before */
+    bool exit_requested; /* ControlledExit: ngspice is unusable from now on */
+    bool aborted;        /* the transient ended early */
+    bool misread;        /* ngspice took the circuit but not a value in it: bad input, found late */
+    bool searching;      /* for the trouble behind a failed start: errors are no news, only `worst` counts */
+    bool searched, search_failed;
     bool measuring;       /* between "Measurements for ..." and the end of the run */
     char worst[128];      /* unknown ngspice names as the trouble */
     char singular[128];   /* node of the last singular matrix */
@@ -91,6 +93,13 @@ struct dea_engine {
     struct dea_engine_measure *measures; /* owned */
     int measure_count;
 };
+
+/* ---- engine.c ---- */
+int dea_engine_command(const char *text);
+
+/* ---- verdict.c ---- */
+/* What an early end of the transient means, as a status with its message. */
+enum dea_status dea_engine_judge_failure(struct dea_engine *engine, struct dea_error *error);
 
 /* ---- ports.c ---- */
 enum dea_status dea_engine_prepare_ports(struct dea_engine *engine, struct dea_error *error);

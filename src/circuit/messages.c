@@ -206,8 +206,10 @@ static void hear_error(struct dea_engine *engine, const char *text) {
     const char *trouble = strstr(text, "trouble with ");
     if (trouble != NULL)
         snprintf(complaints->worst, sizeof complaints->worst, "%s", trouble + strlen("trouble with "));
-    if (complaints->searching)
+    if (complaints->searching) {
+        complaints->search_failed = true;
         return;
+    }
     complaints->aborted = complaints->aborted || engine->running;
     complaints->misread = complaints->misread || begins(text, "Fatal error: ") ||
                           strstr(text, "parameter value out of range or the wrong type") != NULL;

@@ -52,7 +52,15 @@ static enum dea_status check_measured(struct dea_netlist_job *job, int index, co
     static const char *const kinds[] = {"trig", "when", "find",  "avg",      "max",   "min",        "max_at", "min_at",
                                         "pp",   "rms",  "integ", "integral", "deriv", "derivative", "param"};
     char kind[DEA_TOKEN_MAX], what[DEA_TOKEN_MAX];
-    if (dea_netlist_token(&cursor, kind) && dea_netlist_token(&cursor, what))
+    bool complete = dea_netlist_token(&cursor, kind) && dea_netlist_token(&cursor, what);
+    if (complete && strcmp(kind, "find") == 0) {
+        bool placed = false;
+        while (!placed && dea_netlist_token(&cursor, what))
+            placed = strcmp(what, "at") == 0 || strcmp(what, "when") == 0;
+        if (!placed)
+            return dea_netlist_fail(job, index, ".measure %s: find needs at=.. or when ..", name);
+    }
+    if (complete)
         for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
             if (strcmp(kind, kinds[i]) == 0)
                 return DEA_OK;

@@ -2,6 +2,7 @@
 #include "circuit/netlist_internal.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -273,6 +274,18 @@ static enum dea_status check_words(struct dea_netlist_job *job, int index) {
     return DEA_OK;
 }
 
+/* A node named like ngspice's variable of the temperature crashes it. */
+static enum dea_status check_nodes(struct dea_netlist_job *job, int index) {
+    const char *cursor = job->netlist->lines[index].text;
+    char name[DEA_TOKEN_MAX] = "", token[DEA_TOKEN_MAX];
+    bool more = dea_netlist_token(&cursor, name);
+    int nodes = name[0] == 'x' ? INT_MAX : strchr("brclvidk", name[0]) != NULL ? 2 : 5; /* at most */
+    for (int i = 0; i < nodes && more && (more = dea_netlist_token(&cursor, token)) && strcmp(token, "=") != 0; i++)
+        if (strcmp(token, "temper") == 0)
+            return dea_netlist_fail(job, index, "%s: no node may be named temper", name);
+    return DEA_OK;
+}
+
 /* EXTERNAL sources belong to the devices; nobody would answer for the user's. */
 static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
     const char *cursor = job->netlist->lines[index].text;
@@ -333,6 +346,7 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
         DEA_TRY(vet_file_parameters(job, i));
         DEA_TRY(check_brackets(job, i));
         DEA_TRY(check_words(job, i));
+        DEA_TRY(check_nodes(job, i));
     }
     return DEA_OK;
 }

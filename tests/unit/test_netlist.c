@@ -111,6 +111,9 @@ static void test_spice_numbers(void **state) {
 static void test_cards_are_found(void **state) {
     (void)state;
     struct dea_netlist netlist;
+    expect_good("t\nB1 a 0 V=temper*2\nR1 a 0 1k\nV1 a 0 1\n.measure tran x FIND par('v(a)*2') WHEN v(a)=1\n", NULL,
+                &netlist);
+    dea_netlist_clear(&netlist);
     expect_good(
         "t\n.TRAN 1u 20ms 0 5u UIC\n.ic v(a)=1k V(xarm.b) = 2.5 v(c)={vc}\n.measure tran Rise trig v(a) val=1 rise=1 "
         "targ v(a) val=2 rise=1\n.meas tran peak max v(a)\n.measure ac gone max v(a)\n.save v(a)\n.print tran v(a)\n"
@@ -275,6 +278,10 @@ static void test_bad_netlists(void **state) {
         {"t\n.model d\n", "main.cir:2: ", ".model needs a name and a type"},
         {"t\n.measure tran x max par('V(p)-=V(q)')\n", "main.cir:2: ", "par('V(p)-=V(q)'): not an expression"},
         {"t\n.measure tran x max par('V(p q)')\n", "main.cir:2: ", "par('V(p q)'): not an expression"},
+        {"t\n.measure tran x find v(p)\n", "main.cir:2: ", ".measure x: find needs at=.. or when .."},
+        {"t\n.measure tran x find v(p)>at=1m\n", "main.cir:2: ", ".measure x: find needs at=.. or when .."},
+        {"t\nR1 Temper 0 1k\n", "main.cir:2: ", "r1: no node may be named temper"},
+        {"t\nXdea a 0 temper DEA\n", "main.cir:2: ", "xdea: no node may be named temper"},
         {"t\n.measure tran\n", "main.cir:2: ", ".measure needs an analysis and a name"},
     };
     write_file("../outside.inc", "R9 a 0 1\n", 9);
