@@ -25,6 +25,8 @@ static void write_deck(const struct dea_deck *deck, const struct dea_circuit_dev
         } else if (inside && starts(line, ".ends")) {
             inside = false;
             fprintf(file, "%s\n", line);
+        } else if (starts(line, ".end") && !starts(line, ".ends")) {
+            fprintf(file, ".options acct\n%s\n", line);
         } else if (!inside && !(deck->origins[i] < 0 && starts(line, ".save") &&
                                 (strstr(line, ".q") != NULL || strstr(line, "#branch") != NULL))) {
             fprintf(file, "%s\n", line);

@@ -1,7 +1,8 @@
 /* Co-simulation as it is usually set up, for comparison: circuit and device exchange at fixed times. Between two of
  * them ngspice keeps the film capacitances; then the device is moved over the same span, the charge taken as linear,
- * and gives new ones. No prediction, no error control. usage: fixed_exchange SCENE INTERVAL TABLE; the table has time,
- * x and the port voltages, all SI. */
+ * and gives new ones. No prediction, no error control; the circuit's tolerances are those of deasim at the
+ * accuracy. usage: fixed_exchange SCENE ACCURACY INTERVAL STOP TABLE; the table has time, x and the port voltages, all
+ * SI. */
 #include "circuit/engine.h"
 #include "cosim/cosim.h"
 #include "cosim/coupled.h"
@@ -11,7 +12,6 @@
 #include <stdlib.h>
 
 #define DEVICE_ACCURACY 1e-7
-#define CIRCUIT_RELTOL 1e-5
 
 struct run {
     const struct dea_device *device;
@@ -111,7 +111,8 @@ static enum dea_status create_plant(struct run *run, struct dea_error *error) {
     return rest_device(run, none, error);
 }
 
-static enum dea_status run_circuit(struct run *run, const struct dea_scene *scene, struct dea_error *error) {
+static enum dea_status run_circuit(struct run *run, const struct dea_scene *scene, double stop,
+                                   struct dea_error *error) {
     struct dea_netlist netlist = {0};
     struct dea_circuit_device *devices = NULL;
     struct dea_deck deck = {0};
@@ -119,14 +120,13 @@ static enum dea_status run_circuit(struct run *run, const struct dea_scene *scen
     enum dea_status status = cosim_read_netlist(scene, false, &netlist, error);
     if (status == DEA_OK)
         status = cosim_describe_devices(scene, &devices, error);
-    struct dea_deck_options options = {.stop = scene->stop,
-                                       .step = run->interval,
-                                       .max_step = run->interval,
-                                       .reltol = CIRCUIT_RELTOL,
-                                       .trtol = 1.0,
-                                       .method = DEA_INTEGRATION_GEAR};
+    struct dea_deck_options options = {0};
     struct dea_engine_callbacks callbacks = {
         .context = run, .port_value = answer, .before_step = limit_step, .accepted = take_point};
+    if (status == DEA_OK) {
+        cosim_choose_tolerances(scene, &netlist, stop, 0, &options);
+        options.step = options.max_step = run->interval;
+    }
     if (status == DEA_OK)
         status = dea_deck_build(&netlist, devices, &options, &deck, error);
     if (status == DEA_OK)
@@ -140,7 +140,7 @@ static enum dea_status run_circuit(struct run *run, const struct dea_scene *scen
         struct dea_run_stats plant = {0};
         dea_engine_stats(engine, &counted);
         dea_plant_stats(run->plant, &plant);
-        printf("%ld nan %ld\n", counted.points, plant.residuals);
+        printf("%ld %ld %ld\n", counted.points, counted.iterations, plant.residuals);
     }
     dea_engine_close(engine);
     dea_deck_clear(&deck);
@@ -150,25 +150,27 @@ static enum dea_status run_circuit(struct run *run, const struct dea_scene *scen
 }
 
 int main(int count, char **arguments) {
-    if (count != 4) {
-        fprintf(stderr, "usage: fixed_exchange SCENE INTERVAL TABLE\n");
+    if (count != 6) {
+        fprintf(stderr, "usage: fixed_exchange SCENE ACCURACY INTERVAL STOP TABLE\n");
         return 2;
     }
     struct dea_error error = {.status = DEA_OK};
     struct dea_scene scene = {0};
-    struct run run = {.interval = atof(arguments[2]), .error = &error};
-    enum dea_status status = dea_scene_read(arguments[1], NULL, 0, &scene, &error);
-    if (status == DEA_OK && (scene.netlist == NULL || scene.device_count != 1 || !(run.interval > 0.0)))
-        status = dea_fail(&error, DEA_ERR_INPUT, "fixed_exchange wants a netlist, one device and an interval");
-    run.table = status == DEA_OK ? fopen(arguments[3], "w") : NULL;
+    struct run run = {.interval = atof(arguments[3]), .error = &error};
+    struct dea_override accuracy = {"transient.accuracy", arguments[2]};
+    double stop = atof(arguments[4]);
+    enum dea_status status = dea_scene_read(arguments[1], &accuracy, 1, &scene, &error);
+    if (status == DEA_OK && (scene.netlist == NULL || scene.device_count != 1 || !(run.interval > 0.0 && stop > 0.0)))
+        status = dea_fail(&error, DEA_ERR_INPUT, "fixed_exchange wants a netlist, one device, an interval and a stop");
+    run.table = status == DEA_OK ? fopen(arguments[5], "w") : NULL;
     if (status == DEA_OK && run.table == NULL)
-        status = dea_fail(&error, DEA_ERR_OUTPUT, "cannot write %s", arguments[3]);
+        status = dea_fail(&error, DEA_ERR_OUTPUT, "cannot write %s", arguments[5]);
     if (status == DEA_OK) {
         run.device = &scene.devices[0].device;
         status = create_plant(&run, &error);
     }
     if (status == DEA_OK)
-        status = run_circuit(&run, &scene, &error);
+        status = run_circuit(&run, &scene, stop, &error);
     if (status != DEA_OK)
         fprintf(stderr, "%s\n", error.text);
     if (run.table != NULL && fclose(run.table) != 0)

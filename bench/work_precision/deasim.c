@@ -66,7 +66,7 @@ void deasim_read_output(struct point *point) {
     char *text = read_text(point->output);
     cJSON *root = text != NULL ? cJSON_Parse(text) : NULL;
     const cJSON *stats = cJSON_GetObjectItemCaseSensitive(root, "stats");
-    point->inner = fmin(point->inner, number_of(stats, "wall_s"));
+    point->own = fmin(point->own, number_of(stats, "wall_s"));
     point->points = number_of(stats, "circuit_points");
     point->iterations = number_of(stats, "circuit_iterations");
     point->work = number_of(stats, "residuals");
@@ -78,13 +78,14 @@ void deasim_read_output(struct point *point) {
 /* Command line of a run into `folder`. The caller's buffers hold what is made here. */
 struct command {
     const char *arguments[MAX_ARGUMENTS];
-    char accuracy[32], sample[64], signals[128];
+    char accuracy[32], sample[64], stop[64], signals[128];
 };
 
 static void make_command(struct command *command, const struct bench *bench, const char *scene, const char *engine,
-                         const char *folder, double accuracy, int rows) {
+                         const char *folder, double accuracy, double stop, int rows) {
+    snprintf(command->stop, sizeof command->stop, "transient.stop=%.17g", stop);
     snprintf(command->accuracy, sizeof command->accuracy, "%g", accuracy);
-    snprintf(command->sample, sizeof command->sample, "output.sample=%.17g", bench->stop / rows);
+    snprintf(command->sample, sizeof command->sample, "output.sample=%.17g", stop / rows);
     int used = snprintf(command->signals, sizeof command->signals, "output.signals=[");
     for (int i = 0; i < bench->signal_count; i++)
         used += snprintf(command->signals + used, sizeof command->signals - (size_t)used, "%s%s", i > 0 ? "," : "",
@@ -93,7 +94,8 @@ static void make_command(struct command *command, const struct bench *bench, con
     const char *arguments[] = {
         bench->program,         "run",     scene,           "-o",       folder,           "--accuracy",
         command->accuracy,      "--quiet", "--json",        "--engine", engine,           "--set",
-        "output.formats=[raw]", "--set",   command->sample, "--set",    command->signals, NULL};
+        "output.formats=[raw]", "--set",   command->sample, "--set",    command->signals, "--set",
+        command->stop,          NULL};
     memcpy(command->arguments, arguments, sizeof arguments);
 }
 
@@ -104,7 +106,7 @@ static bool run_once(const struct bench *bench, const char *scene, const char *e
     snprintf(raw, sizeof raw, "%s/result.raw", folder);
     snprintf(json, sizeof json, "%s.json", folder);
     struct command command;
-    make_command(&command, bench, scene, engine, folder, accuracy, rows);
+    make_command(&command, bench, scene, engine, folder, accuracy, bench->stop, rows);
     char *arguments[MAX_ARGUMENTS] = {0};
     for (int i = 0; command.arguments[i] != NULL; i++)
         arguments[i] = strdup(command.arguments[i]);
@@ -116,16 +118,23 @@ static bool run_once(const struct bench *bench, const char *scene, const char *e
 
 /* ---- reference ---- */
 
+/* Rows close enough for interpolation, a multiple of ERROR_ROWS: at most 7 us apart, where a scene's edges take 10 us
+ * and more. */
+static int count_reference_rows(const struct bench *bench) {
+    return REFERENCE_ROWS * (int)ceil(bench->stop / 0.401);
+}
+
 /* The most accurate run that succeeds: of the native twin where there is one, which shares nothing with ngspice. The
- * doubt is the difference to a second run: of the co-simulation, or ten times looser. */
+ * doubt is the difference to the run at ten times that. */
 bool deasim_reference(struct bench *bench) {
     const struct scene_entry *entry = bench->entry;
     const char *scene = entry->twin != NULL ? entry->twin : entry->scene;
     struct process_result result;
-    double accuracy = entry->reference;
+    double accuracy = entry->reference * (bench->quick && entry->reference > 1e-10 ? 10.0 : 1.0);
+    double limit = bench->quick ? 15.0 : 120.0;
     for (; accuracy < 1e-3; accuracy *= 10.0)
-        if (run_once(bench, scene, "auto", "reference", accuracy, REFERENCE_ROWS, 20.0 * bench->limit,
-                     &bench->reference, &result))
+        if (run_once(bench, scene, "auto", "reference", accuracy, count_reference_rows(bench), limit, &bench->reference,
+                     &result))
             break;
     if (bench->reference.count == 0) {
         fprintf(stderr, "%s: no reference\n", entry->name);
@@ -133,44 +142,56 @@ bool deasim_reference(struct bench *bench) {
     }
     bench->reference_accuracy = accuracy;
     struct trace second = {0};
-    bench->reference_doubt = NAN;
-    if (run_once(bench, scene, "auto", "second", 10.0 * accuracy, ERROR_ROWS, 20.0 * bench->limit, &second, &result)) {
+    if (run_once(bench, scene, "auto", "second", 10.0 * accuracy, ERROR_ROWS, limit, &second, &result)) {
         struct trace_error error = trace_compare(&second, &bench->reference);
         bench->reference_doubt = fmax(error.x, error.ports);
     }
     trace_clear(&second);
-    printf("%s: reference %s at A = %g, differs by %.2g from the run at ten times that\n", entry->name, scene, accuracy,
-           bench->reference_doubt);
     return true;
 }
 
 /* ---- curves ---- */
 
-void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine) {
-    for (double exponent = bench->entry->loosest; exponent <= bench->entry->tightest + 0.01; exponent += 1.0) {
-        double accuracy = pow(10.0, -exponent);
-        char name[64], folder[PATH_ROOM];
-        struct point *point = bench_add_point(bench, curve, "A=%g", accuracy);
-        snprintf(name, sizeof name, "%s-%g", engine, accuracy);
-        snprintf(folder, sizeof folder, "%s/%s-timed", bench->folder, name);
-        struct trace trace = {0};
-        struct process_result result;
-        if (!run_once(bench, scene, engine, name, accuracy, ERROR_ROWS, bench->limit, &trace, &result)) {
-            point_fail(point, "%s", result.timed_out ? "took too long" : "the run failed");
-            continue;
-        }
-        point->error = trace_compare(&trace, &bench->reference);
-        trace_clear(&trace);
-        struct command command;
-        make_command(&command, bench, scene, engine, folder, accuracy, TIMED_ROWS);
-        point_set_command(point, command.arguments);
-        snprintf(point->output, sizeof point->output, "%.900s-%s.json", bench->folder, name);
-        struct process_result timed = process_run(point->arguments, point->output, bench->limit);
-        deasim_read_output(point);
-        point->walls[0] = timed.wall;
-        point->chosen = timed.good;
-        if (point->relaxed > 0.0)
-            snprintf(point->setting + strlen(point->setting), sizeof point->setting - strlen(point->setting),
-                     " relaxed %g", point->relaxed);
+#define COST_PER_DECADE 3.2 /* a second-order circuit's steps per decade of accuracy */
+#define START_STOP 1e-7     /* span of a run that is nothing but its start, in spans of the scene ... */
+#define LEAST_STOP 1e-9     /* ... and in s: the shortest that deasim takes */
+
+static bool add_curve_point(struct bench *bench, const char *scene, const char *curve, const char *engine,
+                            double accuracy, double *cpu) {
+    char name[64], folder[PATH_ROOM];
+    struct point *point = bench_add_point(bench, curve, "A=%g", accuracy);
+    if (COST_PER_DECADE * *cpu > 1.5 * bench->limit) {
+        point_fail(point, "left out: would take more than %g s", bench->limit);
+        return false;
     }
+    snprintf(name, sizeof name, "%s-%g", engine, accuracy);
+    snprintf(folder, sizeof folder, "%s/%s-timed", bench->folder, name);
+    struct trace trace = {0};
+    struct process_result result;
+    bool good = run_once(bench, scene, engine, name, accuracy, ERROR_ROWS, 2.0 * bench->limit, &trace, &result);
+    *cpu = result.cpu;
+    if (!good) {
+        point_blame(point, &result);
+        return !result.timed_out;
+    }
+    if (bench->reference.count > 0)
+        point->error = trace_compare(&trace, &bench->reference);
+    trace_clear(&trace);
+    struct command command;
+    make_command(&command, bench, scene, engine, folder, accuracy, fmax(START_STOP * bench->stop, LEAST_STOP), 1);
+    bench_set_start(bench, curve, command.arguments, INFINITY);
+    make_command(&command, bench, scene, engine, folder, accuracy, bench->stop, TIMED_ROWS);
+    point_set_command(point, command.arguments);
+    snprintf(point->output, sizeof point->output, "%.900s/%s.json", bench->folder, name);
+    point->chosen = true;
+    return true;
+}
+
+void deasim_curve(struct bench *bench, const char *scene, const char *curve, const char *engine) {
+    double last = bench->entry->tightest, cpu = 0.0;
+    if (bench->quick && last > bench->entry->loosest + 1.0)
+        last -= 1.0;
+    for (double exponent = bench->entry->loosest; exponent <= last + 0.01; exponent += 1.0)
+        if (!add_curve_point(bench, scene, curve, engine, pow(10.0, -exponent), &cpu))
+            return;
 }

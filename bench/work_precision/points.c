@@ -12,7 +12,7 @@ struct point *bench_add_point(struct bench *bench, const char *curve, const char
         abort();
     bench->points = grown;
     struct point *point = &grown[bench->point_count++];
-    *point = (struct point){.error = {NAN, NAN}, .inner = NAN, .points = NAN, .iterations = NAN, .work = NAN};
+    *point = (struct point){.error = {NAN, NAN}, .own = NAN, .cpu = NAN, .points = NAN, .iterations = NAN, .work = NAN};
     snprintf(point->curve, sizeof point->curve, "%s", curve);
     va_list arguments;
     va_start(arguments, format);
@@ -34,6 +34,13 @@ void point_fail(struct point *point, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(point->problem, sizeof point->problem, format, arguments);
     va_end(arguments);
+}
+
+void point_blame(struct point *point, const struct process_result *result) {
+    if (result->timed_out)
+        point_fail(point, "took too long");
+    else
+        point_fail(point, "failed: %s", result->message[0] != '\0' ? result->message : "no word why");
 }
 
 double point_error(const struct point *point) {
@@ -62,12 +69,80 @@ double point_least(const struct point *point) {
     return point->wall_count > 0 ? least : NAN;
 }
 
+/* ---- starts ---- */
+
+void bench_set_start(struct bench *bench, const char *curve, const char *const *arguments, double least) {
+    for (int i = 0; i < bench->start_count; i++)
+        if (strcmp(bench->starts[i].curve, curve) == 0)
+            return;
+    if (bench->start_count == MAX_STARTS)
+        abort();
+    struct start *start = &bench->starts[bench->start_count++];
+    *start = (struct start){.least = least};
+    snprintf(start->curve, sizeof start->curve, "%s", curve);
+    for (int i = 0; arguments != NULL && i + 1 < MAX_ARGUMENTS && arguments[i] != NULL; i++) {
+        start->arguments[i] = strdup(arguments[i]);
+        if (start->arguments[i] == NULL)
+            abort();
+    }
+}
+
+static double start_of(const struct bench *bench, const char *curve) {
+    for (int i = 0; i < bench->start_count; i++)
+        if (strcmp(bench->starts[i].curve, curve) == 0)
+            return bench->starts[i].least;
+    return NAN;
+}
+
+bool is_script(const char *curve) {
+    return strncmp(curve, "scipy", 5) == 0 || strncmp(curve, "octave", 6) == 0;
+}
+
+double point_solve(const struct bench *bench, const struct point *point) {
+    double least = point_least(point);
+    if (is_script(point->curve))
+        return least;
+    double difference = least - start_of(bench, point->curve);
+    return isfinite(difference) ? fmax(difference, SMALLEST_DIFFERENCE) : NAN;
+}
+
+double point_whole(const struct bench *bench, const struct point *point) {
+    return point_least(point) + (is_script(point->curve) ? start_of(bench, point->curve) : 0.0);
+}
+
+double point_whole_median(const struct bench *bench, const struct point *point) {
+    return point_median(point) + (is_script(point->curve) ? start_of(bench, point->curve) : 0.0);
+}
+
+double bench_deadline(const struct bench *bench, double share) {
+    return process_clock() + share * bench->budget;
+}
+
+bool is_late(double deadline) {
+    return process_clock() > deadline;
+}
+
+/* ---- curves ---- */
+
+bool has_curve(const struct bench *bench, const char *curve) {
+    for (size_t i = 0; i < bench->point_count; i++)
+        if (strcmp(bench->points[i].curve, curve) == 0)
+            return true;
+    return false;
+}
+
+const char *own_curve(const struct bench *bench) {
+    if (!bench->entry->circuit)
+        return "deasim native";
+    return bench->entry->linear ? "deasim linear" : "deasim cosim";
+}
+
 static bool is_beaten(const struct bench *bench, const struct point *point) {
     for (size_t i = 0; i < bench->point_count; i++) {
         const struct point *other = &bench->points[i];
         if (other == point || strcmp(other->curve, point->curve) != 0)
             continue;
-        if (point_error(other) <= point_error(point) && other->walls[0] < point->walls[0])
+        if (point_error(other) <= point_error(point) && other->cpu < point->cpu)
             return true;
     }
     return false;
@@ -81,12 +156,24 @@ void choose_front(struct bench *bench, const char *curve) {
     }
 }
 
-double curve_time(const struct bench *bench, const char *curve, double error, bool inner) {
+double curve_least_error(const struct bench *bench, const char *curve) {
+    double least = NAN;
+    for (size_t i = 0; i < bench->point_count; i++)
+        if (strcmp(bench->points[i].curve, curve) == 0)
+            least = fmin(least, point_error(&bench->points[i]));
+    return least;
+}
+
+static double point_time(const struct bench *bench, const struct point *point, enum time_kind kind) {
+    return kind == TIME_WHOLE ? point_whole(bench, point) : point_solve(bench, point);
+}
+
+double curve_time(const struct bench *bench, const char *curve, double error, enum time_kind kind) {
     const struct point *below = NULL, *above = NULL; /* the nearest on either side */
     double best = NAN;
     for (size_t i = 0; i < bench->point_count; i++) {
         const struct point *p = &bench->points[i];
-        double e = point_error(p), t = inner ? p->inner : point_least(p);
+        double e = point_error(p), t = point_time(bench, p, kind);
         if (strcmp(p->curve, curve) != 0 || !p->chosen || !isfinite(e) || !isfinite(t))
             continue;
         if (e <= error && !(t >= best)) {
@@ -98,7 +185,7 @@ double curve_time(const struct bench *bench, const char *curve, double error, bo
     }
     if (below == NULL || above == NULL)
         return best;
-    double t0 = inner ? above->inner : point_least(above), e0 = point_error(above), e1 = point_error(below);
+    double t0 = point_time(bench, above, kind), e0 = point_error(above), e1 = point_error(below);
     if (t0 >= best)
         return best;
     return t0 * pow(best / t0, log(e0 / error) / log(e0 / e1));

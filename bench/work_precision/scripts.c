@@ -91,13 +91,13 @@ static void read_script_line(struct bench *bench, char *line) {
         if (*c == '_')
             *c = ' ';
     if (strcmp(calls, "failed") == 0) {
-        point_fail(point, "failed: %s", rest);
+        point_fail(point, "failed: %.*s", (int)strcspn(rest, "\n"), rest);
         return;
     }
     point->work = atof(calls);
     for (char *word; (word = strtok_r(NULL, " \n", &rest)) != NULL && point->wall_count < MAX_ROUNDS;)
         point->walls[point->wall_count++] = atof(word);
-    point->inner = point_least(point);
+    point->own = point_least(point);
     snprintf(path, sizeof path, "%s/%s-%s.txt", bench->folder, method, tolerance);
     struct trace trace = {0};
     if (trace_read_table(path, bench->signal_count, &trace)) {
@@ -109,25 +109,57 @@ static void read_script_line(struct bench *bench, char *line) {
     trace_clear(&trace);
 }
 
-static void run_script(struct bench *bench, const char *const *command, const char *problem) {
-    char output[PATH_ROOM + 32], *line = NULL, *arguments[8] = {0};
-    size_t room = 0;
+#define SCRIPT_SHARE 0.15 /* of a scene's time for each script */
+
+static struct process_result run_script(const struct bench *bench, const char *const *command, const char *scope,
+                                        const char *output, double limit) {
+    char *arguments[MAX_ARGUMENTS] = {0};
+    const char *const further[] = {bench->problem, bench->folder, scope};
     int count = 0;
     for (; command[count] != NULL; count++)
         arguments[count] = strdup(command[count]);
-    arguments[count++] = strdup(problem);
-    arguments[count++] = strdup(bench->folder);
-    arguments[count] = strdup(bench->quick ? "quick" : "full");
-    snprintf(output, sizeof output, "%s/script.txt", bench->folder);
-    (void)process_run(arguments, output, 60.0 * bench->limit);
-    for (int i = 0; i <= count; i++)
+    for (int i = 0; i < 3; i++)
+        arguments[count++] = strdup(further[i]);
+    struct process_result result = process_run(arguments, output, limit);
+    for (int i = 0; i < count; i++)
         free(arguments[i]);
+    return result;
+}
+
+/* The interpreter's start with the libraries and the problem read, and then everything the script tells. */
+static void measure_script(struct bench *bench, const char *const *command, const char *const *methods) {
+    char output[PATH_ROOM + 32], *line = NULL;
+    size_t room = 0;
+    double least = INFINITY;
+    snprintf(output, sizeof output, "%s/script.txt", bench->folder);
+    for (int i = 0; i < 3; i++)
+        least = fmin(least, run_script(bench, command, "start", NULL, 60.0).wall);
+    for (int i = 0; methods[i] != NULL; i++)
+        bench_set_start(bench, methods[i], NULL, least);
+    struct process_result result =
+        run_script(bench, command, bench->quick ? "quick" : "full", output, fmax(10.0, SCRIPT_SHARE * bench->budget));
     FILE *file = fopen(output, "r");
     while (file != NULL && getline(&line, &room, file) >= 0)
         read_script_line(bench, line);
     free(line);
     if (file != NULL)
         fclose(file);
+    if (!result.good)
+        point_blame(bench_add_point(bench, methods[0], "the tolerances after the last one listed"), &result);
+}
+
+/* A second reference, by a program that shares nothing with deasim but the equations. */
+static void compare_second(struct bench *bench, const char *const *command) {
+    char path[PATH_ROOM + 64];
+    struct trace trace = {0};
+    snprintf(path, sizeof path, "%s/scipy_LSODA-1e-12.txt", bench->folder);
+    remove(path);
+    struct process_result result = run_script(bench, command, "reference", NULL, 60.0);
+    if (result.good && trace_read_table(path, bench->signal_count, &trace)) {
+        struct trace_error error = trace_compare(&trace, &bench->reference);
+        bench->reference_second = fmax(error.x, error.ports);
+    }
+    trace_clear(&trace);
 }
 
 static bool works(const char *const *command) {
@@ -141,23 +173,24 @@ static bool works(const char *const *command) {
 }
 
 void script_curves(struct bench *bench) {
-    char problem[PATH_ROOM + 32];
+    static const char *const scipy[] = {"/usr/bin/python3", "bench/work_precision/scipy_ode.py", NULL};
+    static const char *const octave[] = {"octave-cli", "--quiet", "bench/work_precision/octave_ode.m", NULL};
     const char *path = bench->entry->twin != NULL ? bench->entry->twin : bench->entry->scene;
     struct dea_scene scene = {0};
     struct dea_error error;
-    snprintf(problem, sizeof problem, "%s/problem.json", bench->folder);
-    bool good = dea_scene_read(path, NULL, 0, &scene, &error) == DEA_OK && write_problem(&scene, problem);
+    snprintf(bench->problem, sizeof bench->problem, "%.1000s/problem.json", bench->folder);
+    bool good = dea_scene_read(path, NULL, 0, &scene, &error) == DEA_OK && write_problem(&scene, bench->problem);
     dea_scene_clear(&scene);
     if (!good)
         return;
-    if (works((const char *const[]){"/usr/bin/python3", "-c", "import scipy.integrate", NULL}))
-        run_script(bench, (const char *const[]){"/usr/bin/python3", "bench/work_precision/scipy_ode.py", NULL},
-                   problem);
-    else
+    if (works((const char *const[]){"/usr/bin/python3", "-c", "import scipy.integrate", NULL})) {
+        compare_second(bench, scipy);
+        measure_script(bench, scipy, (const char *const[]){"scipy LSODA", "scipy Radau", NULL});
+    } else {
         printf("%s: scipy is skipped: it needs the package python3-scipy\n", bench->entry->name);
+    }
     if (works((const char *const[]){"octave-cli", "--version", NULL}))
-        run_script(bench, (const char *const[]){"octave-cli", "--quiet", "bench/work_precision/octave_ode.m", NULL},
-                   problem);
+        measure_script(bench, octave, (const char *const[]){"octave ode15s", NULL});
     else
         printf("%s: Octave is skipped: it needs the package octave\n", bench->entry->name);
 }

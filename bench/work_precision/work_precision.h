@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum { MAX_SIGNALS = 3, MAX_ROUNDS = 15, MAX_ARGUMENTS = 24, PATH_ROOM = 1024 };
+enum { MAX_SIGNALS = 3, MAX_ROUNDS = 15, MAX_ARGUMENTS = 24, MAX_STARTS = 8, PATH_ROOM = 1024 };
 
 /* ---- traces: results read back ---- */
 
@@ -34,29 +34,41 @@ struct trace_error trace_compare(const struct trace *trace, const struct trace *
 /* ---- processes ---- */
 
 struct process_result {
-    bool good;        /* exit code 0, in time */
-    bool timed_out;   /* killed at the limit */
-    double wall, cpu; /* s */
+    bool good;         /* exit code 0, in time */
+    bool timed_out;    /* killed at the limit */
+    double wall, cpu;  /* s */
+    char message[160]; /* the last it said on stderr */
 };
 
-/* Runs a command with stdout into a file (NULL: thrown away), stderr thrown away. */
+/* s, of a clock that never jumps. */
+double process_clock(void);
+
+/* Runs a command with stdout into a file (NULL: thrown away). The limit is processor time, so that
+ * a busy machine does not turn runs into failures. */
 struct process_result process_run(char *const *arguments, const char *stdout_path, double limit);
 
 /* ---- points ---- */
 
 struct point {
     char curve[32], setting[80];
-    char problem[80];               /* empty: all well */
+    char problem[200];              /* empty: all well */
     char *arguments[MAX_ARGUMENTS]; /* of the timed command, owned; none for points timed elsewhere */
     char output[PATH_ROOM];         /* where its stdout goes; empty: nowhere */
     struct trace_error error;
-    double inner;             /* s, the least solve time the program itself reports; NAN: none */
+    double own;               /* s, the least solve time the program itself reports; NAN: none */
     double walls[MAX_ROUNDS]; /* s */
     int wall_count;
-    double cpu;                      /* s, the least of the rounds */
+    double cpu;                      /* s, the least of the rounds; of the first run until then */
     double relaxed;                  /* how often deasim loosened the circuit's tolerances */
     double points, iterations, work; /* accepted circuit points, Newton iterations, residual or right-hand side calls */
     bool chosen;                     /* is timed: on its curve's front */
+};
+
+/* What a program takes to start: its command with next to nothing to solve. */
+struct start {
+    char curve[32];
+    char *arguments[MAX_ARGUMENTS]; /* owned; none where a script tells */
+    double least;                   /* s */
 };
 
 struct scene_entry {
@@ -67,10 +79,13 @@ struct scene_entry {
     bool linear;         /* ... that deasim solves without ngspice */
     bool ode;            /* small enough for the scripts */
     bool exports;        /* plain ngspice can run it */
+    bool overhead;       /* the electronics alone are timed as well */
+    bool only_overhead;  /* ... and nothing else */
     double longest_step; /* s, of the coarsest ngspice run */
     double reference;    /* accuracy of the reference */
     double loosest;      /* exponent range of the accuracies */
     double tightest;
+    double share; /* of a campaign's time, in shares of an ordinary scene; 0: 1 */
 };
 
 extern const struct scene_entry scene_entries[];
@@ -80,17 +95,24 @@ extern const size_t scene_entry_count;
 struct bench {
     const char *program, *folder; /* deasim; scratch files */
     const struct scene_entry *entry;
-    double limit; /* s for one run */
-    int rounds;
+    double limit;         /* s of processor time for one run */
+    double began, budget; /* s, of this scene */
+    int rounds;           /* at most */
     bool quick;
+    char problem[PATH_ROOM + 32];   /* of the scripts, JSON */
     double stop;                    /* s */
     const char *names[MAX_SIGNALS]; /* deasim's signals */
     const char *nodes[MAX_SIGNALS]; /* ngspice's vectors */
     int signal_count;
     struct trace reference;
-    double reference_accuracy, reference_doubt; /* difference to a second reference; NAN: none */
-    struct point *points;                       /* owned */
+    double reference_accuracy;
+    double reference_doubt;  /* difference to the run at ten times that; NAN: none */
+    double reference_second; /* difference to the tightest run of scipy; NAN: none */
+    int grid_left_out;       /* settings of ngspice there was no time for */
+    struct point *points;    /* owned */
     size_t point_count;
+    struct start starts[MAX_STARTS];
+    int start_count;
 };
 
 /* New point of a curve; its memory moves with the next one. */
@@ -99,6 +121,18 @@ struct point *bench_add_point(struct bench *bench, const char *curve, const char
 void point_set_command(struct point *point, const char *const *arguments);
 void point_fail(struct point *point, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Counters and solve time out of a run's output: the summary of deasim, the account of ngspice. */
+void bench_set_start(struct bench *bench, const char *curve, const char *const *arguments, double least);
+/* Seconds of solving: the least times of the process and of its start, one less the other, but no less than what such a
+ * difference resolves. What a script tells of itself is solving alone. */
+#define SMALLEST_DIFFERENCE 2e-4
+double point_solve(const struct bench *bench, const struct point *point);
+/* Least and median seconds of the process, with the start of a script's interpreter. */
+double point_whole(const struct bench *bench, const struct point *point);
+double point_whole_median(const struct bench *bench, const struct point *point);
+bool is_script(const char *curve);
+/* A stage of a scene's measurement gets a share (0 to 1) of the scene's time from now on. */
+double bench_deadline(const struct bench *bench, double share);
+bool is_late(double deadline);
 void deasim_read_output(struct point *point);
 void ngspice_read_output(struct point *point);
 double point_error(const struct point *point);
@@ -116,16 +150,27 @@ void fixed_exchange_curve(struct bench *bench);
  */
 void fixed_capacitor_curve(struct bench *bench);
 void script_curves(struct bench *bench);
+/* Whether a curve's process timed out, in a word for a point's problem; else what it said. */
+void point_blame(struct point *point, const struct process_result *result);
 
 /* Marks the points worth timing of one curve: those no other beats in error and time of the first run. */
 void choose_front(struct bench *bench, const char *curve);
 
 /* ---- results ---- */
 
+enum time_kind { TIME_WHOLE, TIME_SOLVING };
+
 /* Least seconds a curve needs for an error, by straight lines between its points on log axes; the fastest point where
- * all are better; NAN where none is good enough. `inner` takes the time the program itself reports. */
-double curve_time(const struct bench *bench, const char *curve, double error, bool inner);
-void write_rows(const struct bench *bench, FILE *file);
-void write_tables(const struct bench *bench, FILE *file);
+ * all are better; NAN where none is good enough. */
+double curve_time(const struct bench *bench, const char *curve, double error, enum time_kind kind);
+double curve_least_error(const struct bench *bench, const char *curve);
+bool has_curve(const struct bench *bench, const char *curve);
+/* deasim's own way for the scene: what `deasim run` takes. */
+const char *own_curve(const struct bench *bench);
+
+void write_rows(const struct bench *bench, FILE *file);     /* CSV with its head */
+void write_section(const struct bench *bench, FILE *file);  /* tables of one scene */
+void write_summary(const struct bench *bench, FILE *file);  /* its row among the scenes */
+void write_overhead(const struct bench *bench, FILE *file); /* rows: coupled against the electronics alone */
 
 #endif

@@ -8,12 +8,20 @@
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char usage[] =
     "usage: deasim export SCENE [-o DECK] [--set key=value]... [--trust-netlist]\n\n"
     "Writes the scene as one self-contained deck for plain ngspice, devices as behavioural subcircuits.\n"
     "  -o, --output DECK  the file to write; default: standard output\n"
     "Run it with: ngspice -b -r out.raw DECK\n";
+
+/* Takes an unfinished deck away again; a pipe or a device that was there before stays. */
+static void remove_deck(const char *path) {
+    struct stat found;
+    if (lstat(path, &found) == 0 && S_ISREG(found.st_mode))
+        remove(path);
+}
 
 static enum dea_status write_export(const struct cli_options *options, const struct dea_scene *scene,
                                     struct dea_error *error) {
@@ -27,7 +35,7 @@ static enum dea_status write_export(const struct cli_options *options, const str
     if (status == DEA_OK && !flushed)
         status = dea_fail(error, DEA_ERR_OUTPUT, "the deck is incomplete: %s", strerror(errno));
     if (status != DEA_OK && options->directory != NULL)
-        remove(options->directory);
+        remove_deck(options->directory);
     return status;
 }
 
