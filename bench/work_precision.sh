@@ -63,7 +63,7 @@ version() { dpkg-query -W -f='${Version}' "$1" 2>/dev/null || printf 'not instal
 machine() {
     printf 'Machine: %s, %d cores, %s, %s. ' "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(nproc)" \
         "$(awk '/MemTotal/ { printf "%.0f GB", $2 / 1e6 }' /proc/meminfo)" \
-        "$(. /etc/os-release && printf '%s' "$PRETTY_NAME")"
+        "$(sed -n 's/^PRETTY_NAME="\(.*\)"$/\1/p' /etc/os-release)"
     printf 'ngspice %s, SUNDIALS %s, scipy %s, Octave %s. ' "$(version ngspice)" "$(version libsundials-dev)" \
         "$(version python3-scipy)" "$(version octave)"
     printf 'Measured %s.' "$(conditions)"
