@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define REFERENCE_ROWS 60000
+#define REFERENCE_ROWS 240000
 #define ERROR_ROWS 20000 /* a divisor of the above: no interpolation between rows of deasim */
 #define TIMED_ROWS 2000
 
@@ -118,7 +118,7 @@ static bool run_once(const struct bench *bench, const char *scene, const char *e
 
 /* ---- reference ---- */
 
-/* Rows close enough for interpolation, a multiple of ERROR_ROWS: at most 7 us apart, where a scene's edges take 10 us
+/* Rows close enough for interpolation, a multiple of ERROR_ROWS: at most 1.7 us apart, where a scene's edges take 10 us
  * and more. */
 static int count_reference_rows(const struct bench *bench) {
     return REFERENCE_ROWS * (int)ceil(bench->stop / 0.401);
