@@ -103,7 +103,7 @@ double point_solve(const struct bench *bench, const struct point *point) {
     if (is_script(point->curve))
         return least;
     double difference = least - start_of(bench, point->curve);
-    return isfinite(difference) ? fmax(difference, SMALLEST_DIFFERENCE) : NAN;
+    return difference > 0.0 ? fmax(difference, SMALLEST_DIFFERENCE) : NAN;
 }
 
 double point_whole(const struct bench *bench, const struct point *point) {

@@ -123,7 +123,8 @@ void point_fail(struct point *point, const char *format, ...) __attribute__((for
 /* Counters and solve time out of a run's output: the summary of deasim, the account of ngspice. */
 void bench_set_start(struct bench *bench, const char *curve, const char *const *arguments, double least);
 /* Seconds of solving: the least times of the process and of its start, one less the other, but no less than what such a
- * difference resolves. What a script tells of itself is solving alone. */
+ * difference resolves; NAN where the start took longer, as it may in a disturbed pass. What a script tells of itself is
+ * solving alone. */
 #define SMALLEST_DIFFERENCE 2e-4
 double point_solve(const struct bench *bench, const struct point *point);
 /* Least and median seconds of the process, with the start of a script's interpreter. */
