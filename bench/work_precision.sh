@@ -5,7 +5,8 @@
 #   --again      measure afresh what an earlier campaign of this program has finished
 #   --publish    a quick campaign also writes docs/performance.md
 # A full campaign goes on where it was interrupted: a scene whose CSV in out/bench/full is newer than the program is
-# done. It writes docs/performance/SCENE.csv and .png and the part of docs/performance.md between its two marks.
+# done. Once every scene is, it writes docs/performance/SCENE.csv and .png and the part of docs/performance.md between
+# its two marks; until then its page is out/bench/full/performance.md.
 # scipy (python3-scipy) and Octave (octave) are compared where they are installed.
 set -euo pipefail
 program=$1
@@ -122,6 +123,9 @@ draw() {
     done
 }
 
+for scene in "${scenes[@]}"; do
+    [[ -f $work/$scene.csv ]] || publish=0
+done
 generated >"$work/generated.md"
 draw "$work/performance"
 write_page "$work/performance.md" "$work/generated.md"
