@@ -125,7 +125,7 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
     for (int i = 0; i < run->count; i++) {
         struct exchange exchange;
         const struct coupled *device = &run->devices[i];
-        double fit = FIT_SHARE * run->scene->accuracy * natural_time(device->device);
+        double fit = FIT_SHARE * run->scene->accuracy * fmin(natural_time(device->device), run->stop);
         DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
         mismatch = fmax(mismatch, exchange.mismatch / allow_mismatch(run, i));
         if (exchange.policy == DEA_POLICY_STOP) {
