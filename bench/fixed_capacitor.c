@@ -47,6 +47,7 @@ static enum dea_status write_scene(const struct dea_scene *scene, FILE *file, st
         status = cosim_describe_devices(scene, &devices, error);
     if (status == DEA_OK) {
         cosim_choose_tolerances(scene, &netlist, stop, 0, &options);
+        options.forget_points = false; /* the program ngspice cannot */
         status = dea_deck_build(&netlist, devices, &options, &deck, error);
     }
     if (status == DEA_OK)

@@ -154,6 +154,8 @@ static enum dea_status save_instance(struct builder *builder, const struct dea_n
 
 static enum dea_status add_saves(struct builder *builder, const struct dea_netlist *netlist,
                                  const struct dea_circuit_device *devices, const struct dea_deck_options *options) {
+    if (options->forget_points)
+        return add(builder, -1, ".save none");
     for (int i = 0; i < netlist->instance_count; i++)
         DEA_TRY(save_instance(builder, &netlist->instances[i], &devices[netlist->instances[i].device]));
     for (int i = 0; i < options->node_count; i++)

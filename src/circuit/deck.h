@@ -62,7 +62,9 @@ struct dea_deck_options {
     double chgtol;               /* C */
     double trtol;                /* truncation error overestimate; 1 is strict, ngspice's default 7 */
     enum dea_integration method; /* ngspice never goes beyond order 2, whatever maxord says */
-    const char *const *nodes;    /* user nodes whose voltage is wanted at accepted points */
+    bool forget_points;       /* memory stays flat: ngspice keeps the last point only, and no .measure works any more in
+                               * this process */
+    const char *const *nodes; /* user nodes whose voltage is wanted at accepted points */
     int node_count;
 };
 

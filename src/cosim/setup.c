@@ -110,5 +110,6 @@ void cosim_choose_tolerances(const struct dea_scene *scene, const struct dea_net
         .reltol = fmin(1e-3, NEWTON_SHARE * scene->accuracy * looser),
         .trtol = fmin(TRUNCATION_FACTOR * sqrt(scene->accuracy) * looser, 7.0),
         .chgtol = SMALLEST_CHARGE * largest_charge,
+        .forget_points = netlist->measure_count == 0,
     };
 }
