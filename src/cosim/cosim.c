@@ -26,6 +26,7 @@
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
 #define MAX_REST_ROUNDS 50
+#define MAX_POINTS 4096 /* of the circuit between two exchanges: memory stays flat, and the fits linear */
 
 struct cosim {
     const struct dea_scene *scene;
@@ -222,12 +223,11 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
         DEA_TRY(coupled_take(&run->devices[i], i, run->reached, point->time, &point->ports[i * DEA_ZONES],
                              run->observer, error));
     run->reached = point->time;
-    for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++) {
-        if (run->devices[i].drift > allow_mismatch(run, i)) { /* not the way that was foreseen */
-            DEA_TRY(exchange_all(run, error));
-            break;
-        }
-    }
+    bool exchange = run->devices[0].windows[0].count >= MAX_POINTS;
+    for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++)
+        exchange = exchange || run->devices[i].drift > allow_mismatch(run, i); /* not the way that was foreseen */
+    if (exchange)
+        DEA_TRY(exchange_all(run, error));
     if (run->channel != NULL) {
         dea_channel_progress(run->channel, point->time);
         if (dea_channel_stop_requested(run->channel))

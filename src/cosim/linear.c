@@ -14,6 +14,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Tables of all pairs of unknowns and a dense operating point: beyond this ngspice is quicker (measured on ladders). */
+#define MAX_UNKNOWNS 2000
+
 struct linear_run {
     const struct dea_scene *scene;
     const struct dea_netlist *netlist;
@@ -52,6 +55,11 @@ static enum dea_status read_circuit(struct linear_run *run, bool *linear, char *
                                  error);
     }
     dea_listing_clear(&listing);
+    run->unknowns = run->network.node_count + run->network.branch_count;
+    if (*linear && run->unknowns > MAX_UNKNOWNS) {
+        *linear = false;
+        snprintf(why, why_size, "too large, %d unknowns", run->unknowns);
+    }
     return status;
 }
 
@@ -61,7 +69,6 @@ static enum dea_status read_circuit(struct linear_run *run, bool *linear, char *
 static enum dea_status open_record(struct linear_run *run, struct dea_error *error) {
     const struct dea_network *network = &run->network;
     const char *place = getenv("TMPDIR");
-    run->unknowns = network->node_count + network->branch_count;
     if (snprintf(run->folder, sizeof run->folder, "%.40s/deasim.XXXXXX", place != NULL ? place : "/tmp") < 0 ||
         mkdtemp(run->folder) == NULL) {
         run->folder[0] = '\0';
@@ -150,7 +157,7 @@ enum dea_status run_linear(const struct dea_scene *scene, const struct dea_netli
     if (status == DEA_OK)
         status = read_circuit(&run, &linear, why, sizeof why, error);
     if (status == DEA_OK && !linear)
-        dea_report_detail(options->report, "the circuit is not linear: %s", why);
+        dea_report_detail(options->report, "the circuit is not solved as linear: %s", why);
     if (status == DEA_OK && linear) {
         status = solve(&run, options, sink, result, error);
         *done = true;

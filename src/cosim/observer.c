@@ -45,7 +45,7 @@ struct observer {
     long *reached;         /* per plant: first sample it has not filled */
     double *pending;       /* pending_rows times all signals */
     double *pending_ports; /* pending_rows times ports times PORT_VALUES; NAN: none */
-    size_t pending_rows;
+    size_t pending_rows, filled_rows; /* room; rows anything has been put into */
     bool warned[DEA_EVENT_COUNT];
     /* while events are booked */
     int device, short_zone;
@@ -262,6 +262,7 @@ enum dea_status observer_start(struct observer *o, struct dea_error *error) {
 static enum dea_status reserve_rows(struct observer *o, long sample, struct dea_error *error) {
     size_t needed = (size_t)(sample - o->next_sample) + 1, count = o->result->signal_count;
     size_t ports = (size_t)o->plant_count * DEA_ZONES * PORT_VALUES;
+    o->filled_rows = needed > o->filled_rows ? needed : o->filled_rows;
     if (needed <= o->pending_rows)
         return DEA_OK;
     size_t rows = o->pending_rows > 0 ? o->pending_rows : 8;
@@ -326,11 +327,12 @@ enum dea_status observer_write(struct observer *o, double t, struct dea_error *e
         rows++;
     }
     if (rows > 0) { /* what is left moves to the front */
-        size_t left = o->pending_rows - rows;
+        size_t left = o->filled_rows - rows;
         memmove(o->pending, o->pending + rows * count, left * count * sizeof *o->pending);
         memmove(o->pending_ports, o->pending_ports + rows * ports, left * ports * sizeof *o->pending_ports);
-        for (size_t i = left * ports; i < o->pending_rows * ports; i++)
+        for (size_t i = left * ports; i < o->filled_rows * ports; i++)
             o->pending_ports[i] = NAN;
+        o->filled_rows = left;
         o->next_sample += (long)rows;
     }
     dea_report_progress(o->options->report, t, o->stop);
