@@ -160,8 +160,14 @@ void dea_plant_conditions(struct dea_plant *plant, dea_event_found found, void *
 int dea_plant_signal_count(const struct dea_plant *plant);
 void dea_plant_signal(const struct dea_plant *plant, int index, struct dea_signal *signal);
 
-/* Signals at time t within the last step (or at its end). */
-enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *values, struct dea_error *error);
+/* Groups of signals that are worked out together. */
+enum dea_signal_group { DEA_SIGNALS_PLATFORM = 1, DEA_SIGNALS_ZONES = 2, DEA_SIGNALS_ENERGY = 4, DEA_SIGNALS_ALL = 7 };
+enum dea_signal_group dea_plant_signal_group(const struct dea_plant *plant, int index);
+
+/* Signals of the wanted groups (a set of them) at time t within the last step (or at its end); values of the others are
+ * left alone. */
+enum dea_status dea_plant_signals(struct dea_plant *plant, double t, unsigned wanted, double *values,
+                                  struct dea_error *error);
 
 /* The unknowns of the linear circuit (V, then A) at time t within the last step, and the platform's position (m). */
 enum dea_status dea_plant_network(struct dea_plant *plant, double t, double *unknowns, double *x,

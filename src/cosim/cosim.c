@@ -127,6 +127,8 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
         struct exchange exchange;
         const struct coupled *device = &run->devices[i];
         double fit = FIT_SHARE * run->scene->accuracy * fmin(natural_time(device->device), run->stop);
+        if (run->control->pointwise)
+            fit = -1.0;
         DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
         mismatch = fmax(mismatch, exchange.mismatch / allow_mismatch(run, i));
         if (exchange.policy == DEA_POLICY_STOP) {

@@ -40,6 +40,7 @@ struct cosim_control {
     int relaxed;    /* how often the circuit's tolerances are loosened */
     double horizon; /* s: exchange at this interval whatever the mismatch, to measure the order; 0: as the mismatch
                        allows */
+    bool pointwise; /* every circuit point is a step of the device, to measure what fitting many at once spares */
     bool restless;  /* foresee every swing, however small, to measure what resting spares */
 };
 

@@ -297,7 +297,7 @@ static double told_capacitance(struct coupled *coupled, int port) {
 /* Charge pieces of all ports over a common stretch of points, as long as every port allows. */
 static size_t fit_pieces(const struct coupled *coupled, size_t first, double fit_tolerance,
                          struct dea_charge_piece *pieces) {
-    size_t last = coupled->windows[0].count - 1;
+    size_t last = fit_tolerance >= 0.0 ? coupled->windows[0].count - 1 : first + 1;
     double largest = 0.0;
     for (int p = 0; p < coupled->port_count; p++)
         largest = fmax(largest, coupled->largest_charge[p]);

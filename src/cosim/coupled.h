@@ -91,7 +91,8 @@ void coupled_short(struct coupled *coupled, unsigned zones);
 
 /* Moves the plant to the last taken point, or to an event that stops the run. `mismatch` is the largest relative
  * difference between the capacitance foreseen and the one the plant has, `policy` the strongest wish of events met.
- * Films that are to be shorted are so for the circuit's next step. */
+ * Films that are to be shorted are so for the circuit's next step. `fit_tolerance` is that of charge fits (s, of the
+ * square of the largest charge); below 0: none, every point is a piece of its own. */
 struct exchange {
     double mismatch;
     enum dea_policy policy;

@@ -32,6 +32,8 @@ struct observer {
     int *first;                 /* first signal of each plant, plant_count + 1 entries */
     struct port_columns *ports; /* DEA_ZONES per plant */
     bool *foreign;              /* signals whose extremes come from a circuit, not from the plant */
+    unsigned *groups;           /* per signal: the group it is worked out with */
+    unsigned *row_groups;       /* per plant: those that rows need */
     double *values, *row;       /* all signals; those written */
     struct history *histories;
     int *history_length; /* step ends since the last jump, at most 2, per plant */
@@ -74,6 +76,7 @@ static void name_signals(struct observer *o) {
             struct dea_signal plain, *signal = &o->signals[o->first[d] + i];
             dea_plant_signal(o->observed[d].plant, i, &plain);
             *signal = plain;
+            o->groups[o->first[d] + i] = dea_plant_signal_group(o->observed[d].plant, i);
             if (o->observed[d].name != NULL) /* "DEB.left.voltage" */
                 snprintf(signal->name, sizeof signal->name, "%.31s.%.63s", o->observed[d].name, plain.name);
         }
@@ -115,6 +118,10 @@ static enum dea_status choose_signals(struct observer *o, struct dea_error *erro
             o->written[o->written_count++] = i;
     for (size_t w = 0; w < o->written_count; w++)
         o->written_signals[w] = o->signals[o->written[w]];
+    for (int d = 0; d < o->plant_count; d++)
+        for (size_t w = 0; w < o->written_count; w++)
+            if ((int)o->written[w] >= o->first[d] && (int)o->written[w] < o->first[d + 1])
+                o->row_groups[d] |= o->groups[o->written[w]];
     return DEA_OK;
 }
 
@@ -132,6 +139,8 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
     o->signals = calloc(count, sizeof *o->signals);
     o->ports = calloc(plants * DEA_ZONES, sizeof *o->ports);
     o->foreign = calloc(count, sizeof *o->foreign);
+    o->groups = calloc(count, sizeof *o->groups);
+    o->row_groups = calloc(plants, sizeof *o->row_groups);
     o->values = calloc(count, sizeof *o->values);
     o->row = calloc(room, sizeof *o->row);
     o->histories = calloc(count, sizeof *o->histories);
@@ -142,9 +151,10 @@ static enum dea_status allocate(struct observer *o, struct dea_error *error) {
     o->result->signals = o->signals;
     o->result->stats = calloc(count, sizeof *o->result->stats);
     o->result->events = calloc(MAX_EVENTS, sizeof *o->result->events);
-    if (o->signals == NULL || o->ports == NULL || o->foreign == NULL || o->values == NULL || o->row == NULL ||
-        o->histories == NULL || o->history_length == NULL || o->reached == NULL || o->written == NULL ||
-        o->written_signals == NULL || o->result->stats == NULL || o->result->events == NULL)
+    if (o->signals == NULL || o->ports == NULL || o->foreign == NULL || o->groups == NULL || o->row_groups == NULL ||
+        o->values == NULL || o->row == NULL || o->histories == NULL || o->history_length == NULL ||
+        o->reached == NULL || o->written == NULL || o->written_signals == NULL || o->result->stats == NULL ||
+        o->result->events == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %zu signals", count);
     for (size_t i = 0; i < count; i++)
         o->result->stats[i] = (struct dea_signal_stats){.min = INFINITY, .max = -INFINITY};
@@ -155,6 +165,8 @@ static void free_observer(struct observer *o) {
     free(o->first);
     free(o->ports);
     free(o->foreign);
+    free(o->groups);
+    free(o->row_groups);
     free(o->values);
     free(o->row);
     free(o->histories);
@@ -250,7 +262,7 @@ static enum dea_status send_row(struct observer *o, double t, const double *valu
 enum dea_status observer_start(struct observer *o, struct dea_error *error) {
     DEA_TRY(o->sink.open(o->sink.context, o->written_signals, o->written_count, error));
     for (int d = 0; d < o->plant_count; d++) {
-        DEA_TRY(dea_plant_signals(o->observed[d].plant, 0.0, o->values + o->first[d], error));
+        DEA_TRY(dea_plant_signals(o->observed[d].plant, 0.0, DEA_SIGNALS_ALL, o->values + o->first[d], error));
         note_step_end(o, d, 0.0);
         o->reached[d] = 1;
     }
@@ -292,13 +304,15 @@ enum dea_status observer_follow(struct observer *o, int device, double from, dou
         }
         DEA_TRY(reserve_rows(o, o->reached[device], error));
         double *row = o->pending + (size_t)(o->reached[device] - o->next_sample) * o->result->signal_count;
-        DEA_TRY(dea_plant_signals(o->observed[device].plant, t, row + o->first[device], error));
+        unsigned wanted = o->row_groups[device];
+        if (wanted != 0)
+            DEA_TRY(dea_plant_signals(o->observed[device].plant, t, wanted, row + o->first[device], error));
         for (int i = o->first[device]; i < o->first[device + 1]; i++)
-            if (!o->foreign[i])
+            if (!o->foreign[i] && wanted & o->groups[i])
                 note_extreme(&o->result->stats[i], t, row[i]);
         o->reached[device]++;
     }
-    DEA_TRY(dea_plant_signals(o->observed[device].plant, to, o->values + o->first[device], error));
+    DEA_TRY(dea_plant_signals(o->observed[device].plant, to, DEA_SIGNALS_ALL, o->values + o->first[device], error));
     note_step_end(o, device, to);
     return DEA_OK;
 }
@@ -344,7 +358,7 @@ void observer_break(struct observer *o) {
 }
 
 enum dea_status observer_resume(struct observer *o, int device, double t, struct dea_error *error) {
-    DEA_TRY(dea_plant_signals(o->observed[device].plant, t, o->values + o->first[device], error));
+    DEA_TRY(dea_plant_signals(o->observed[device].plant, t, DEA_SIGNALS_ALL, o->values + o->first[device], error));
     note_step_end(o, device, t);
     return DEA_OK;
 }

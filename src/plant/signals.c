@@ -61,9 +61,15 @@ void dea_plant_signal(const struct dea_plant *plant, int index, struct dea_signa
     snprintf(signal->unit, sizeof signal->unit, "J");
 }
 
+enum dea_signal_group dea_plant_signal_group(const struct dea_plant *plant, int index) {
+    return index < PLATFORM_SIGNALS                                      ? DEA_SIGNALS_PLATFORM
+           : index < dea_plant_signal_count(plant) - (int)ENERGY_SIGNALS ? DEA_SIGNALS_ZONES
+                                                                         : DEA_SIGNALS_ENERGY;
+}
+
 /* Unknowns at a time within the last step: IDA's interpolant, or the state itself right after a restart. */
-static enum dea_status interpolate(struct dea_plant *plant, double t, const double **y, const double **yp,
-                                   const double **quad, struct dea_error *error) {
+static enum dea_status interpolate(struct dea_plant *plant, double t, unsigned wanted, const double **y,
+                                   const double **yp, const double **quad, struct dea_error *error) {
     if (!plant->integrating || t == plant->t || t < plant->restarted_at) {
         *y = N_VGetArrayPointer(plant->y);
         *yp = N_VGetArrayPointer(plant->yp);
@@ -71,7 +77,7 @@ static enum dea_status interpolate(struct dea_plant *plant, double t, const doub
         return DEA_OK;
     }
     if (IDAGetDky(plant->ida, t, 0, plant->sample_y) != IDA_SUCCESS ||
-        IDAGetQuadDky(plant->ida, t, 0, plant->sample_quad) != IDA_SUCCESS)
+        (wanted & DEA_SIGNALS_ENERGY && IDAGetQuadDky(plant->ida, t, 0, plant->sample_quad) != IDA_SUCCESS))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s is outside the last step %.17g .. %.17g s", t,
                         plant->t_previous, plant->t);
     if ((plant->motion == MOTION_VISCOUS || plant->network != ABSENT) &&
@@ -150,10 +156,16 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
     return DEA_OK;
 }
 
-enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *values, struct dea_error *error) {
+enum dea_status dea_plant_signals(struct dea_plant *plant, double t, unsigned wanted, double *values,
+                                  struct dea_error *error) {
     const double *y = NULL, *yp = NULL, *quad = NULL;
-    DEA_TRY(interpolate(plant, t, &y, &yp, &quad, error));
+    DEA_TRY(interpolate(plant, t, wanted, &y, &yp, &quad, error));
     double velocity, load;
+    if (wanted == DEA_SIGNALS_PLATFORM && plant->v != ABSENT) { /* both are unknowns */
+        values[0] = y[plant->x] * plant->scale[plant->x];
+        values[1] = y[plant->v] * plant->scale[plant->v];
+        return DEA_OK;
+    }
     if (evaluate_currents(plant, t, y, yp, &velocity) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: %s", t,
                         plant->trouble != NULL ? plant->trouble : "outside the model");
@@ -163,11 +175,13 @@ enum dea_status dea_plant_signals(struct dea_plant *plant, double t, double *val
     for (int k = 0; k < DEA_ZONES; k++) {
         if (!plant->zones[k].present)
             continue;
-        if (fill_zone(plant, k, values) != DEA_OK)
+        if (wanted & DEA_SIGNALS_ZONES && fill_zone(plant, k, values) != DEA_OK)
             return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the %s zone is outside the model", t,
                             dea_zone_names[k]);
         values += count_zone_signals(plant, k);
     }
+    if (!(wanted & DEA_SIGNALS_ENERGY))
+        return DEA_OK;
     if (fill_energy(plant, t, y, quad, &values[0], &load, &values[1], &values[2]) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: no stored energy outside the model", t);
     values[3] = values[0] - values[1] - values[2];
@@ -227,7 +241,7 @@ enum dea_status plant_open_books(struct dea_plant *plant, struct dea_error *erro
 
 enum dea_status dea_plant_energy(struct dea_plant *plant, struct dea_energy *energy, struct dea_error *error) {
     const double *y = NULL, *yp = NULL, *quad = NULL;
-    DEA_TRY(interpolate(plant, plant->t, &y, &yp, &quad, error));
+    DEA_TRY(interpolate(plant, plant->t, DEA_SIGNALS_ALL, &y, &yp, &quad, error));
     if (plant_evaluate(plant, plant->t, y, plant_velocity(plant, y, yp), false) != DEA_OK ||
         fill_energy(plant, plant->t, y, quad, &energy->in, &energy->load, &energy->stored, &energy->dissipated) !=
             DEA_OK)
