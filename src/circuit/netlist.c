@@ -125,6 +125,8 @@ enum dea_status dea_netlist_read(const char *path, const struct dea_netlist_opti
     if (status == DEA_OK)
         status = dea_netlist_vet(&job);
     if (status == DEA_OK)
+        status = dea_netlist_check_functions(&job);
+    if (status == DEA_OK)
         status = dea_netlist_find(&job);
     if (status == DEA_OK)
         status = dea_netlist_find_devices(&job);

@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -286,13 +287,31 @@ static enum dea_status check_nodes(struct dea_netlist_job *job, int index) {
     return DEA_OK;
 }
 
+/* PWL(t1 v1 t2 v2 ..) with plain numbers: ngspice ends in the middle of a run where time goes back. */
+static enum dea_status check_points(struct dea_netlist_job *job, int index, const char *cursor) {
+    char token[DEA_TOKEN_MAX];
+    double value, last = -INFINITY;
+    int count = 0;
+    for (; dea_netlist_token(&cursor, token) && dea_spice_number(token, &value); count++) {
+        if (count % 2 == 0 && value < last)
+            return dea_netlist_fail(job, index, "PWL: the time %s goes back", token);
+        last = count % 2 == 0 ? value : last;
+    }
+    if (count % 2 != 0 && cursor[strspn(cursor, " \t)")] == '\0' && dea_spice_number(token, &value))
+        return dea_netlist_fail(job, index, "PWL: the time %s has no value", token);
+    return DEA_OK;
+}
+
 /* EXTERNAL sources belong to the devices; nobody would answer for the user's. */
 static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
     const char *cursor = job->netlist->lines[index].text;
     char token[DEA_TOKEN_MAX];
-    while (dea_netlist_token(&cursor, token))
+    while (dea_netlist_token(&cursor, token)) {
         if (strcmp(token, "external") == 0)
             return dea_netlist_fail(job, index, "EXTERNAL sources are refused: nothing would drive them");
+        if (strcmp(token, "pwl") == 0)
+            DEA_TRY(check_points(job, index, cursor));
+    }
     return DEA_OK;
 }
 

@@ -111,8 +111,9 @@ static void test_spice_numbers(void **state) {
 static void test_cards_are_found(void **state) {
     (void)state;
     struct dea_netlist netlist;
-    expect_good("t\nB1 a 0 V=temper*2\nR1 a 0 1k\nV1 a 0 1\n.measure tran x FIND par('v(a)*2') WHEN v(a)=1\n", NULL,
-                &netlist);
+    expect_good("t\nV2 c 0 PWL(0 0 1m 1 1m 2 {x} 3 r=0)\nV3 d 0 pwl 0 0 1m 1 td=2\nB1 a 0 V=temper*2\nR1 a 0 1k\nV1 a "
+                "0 1\n.measure tran x FIND par('v(a)*2') WHEN v(a)=1\n",
+                NULL, &netlist);
     dea_netlist_clear(&netlist);
     expect_good(
         "t\n.TRAN 1u 20ms 0 5u UIC\n.ic v(a)=1k V(xarm.b) = 2.5 v(c)={vc}\n.measure tran Rise trig v(a) val=1 rise=1 "
@@ -247,6 +248,8 @@ static void test_bad_netlists(void **state) {
         {"t\nR1 a 0 10\xc2\xb5\n", "main.cir:2: ", "outside ASCII (for micro write u)"},
         {"t\n\nR1 a \x01 0 1\n", "main.cir:3: ", "not a text file (byte 0x01)"},
         {"t\nV1 a 0 external\n", "main.cir:2: ", "EXTERNAL sources are refused"},
+        {"t\nV1 a 0 PWL(0 0 1m 1 0.5m 2)\n", "main.cir:2: ", "PWL: the time 0.5m goes back"},
+        {"t\nV1 a 0 PWL(0 0 1m 1 2m)\n", "main.cir:2: ", "PWL: the time 2m has no value"},
         {"t\n.lib tt\n", "main.cir:2: ", ".lib needs a file and a section"},
         {"t\nR1 a 0\n", "main.cir:2: ", "r1: nodes or a value are missing; written as in R1 p n 1k"},
         {"t\nV1 a\n", "main.cir:2: ", "v1: nodes or a value are missing; written as in V1 p n 5"},
