@@ -20,6 +20,12 @@ struct dea_network_source {
     struct dea_waveform waveform; /* V or A */
 };
 
+/* A node held at a voltage (V) while the operating point is sought, and let go at once: .ic without uic. */
+struct dea_network_initial {
+    int node;
+    double voltage;
+};
+
 /* Pins of one electroded zone: unknowns of p and n, -1 for ground. */
 struct dea_network_port {
     int p, n;
@@ -34,6 +40,8 @@ struct dea_network {
     size_t conductance_count, capacitance_count;
     struct dea_network_source *sources; /* owned */
     size_t source_count;
+    struct dea_network_initial *initials; /* owned */
+    size_t initial_count;
     struct dea_network_port ports[DEA_ZONES]; /* by zone */
     double peak;                              /* largest |source voltage|, V, for scales */
 };

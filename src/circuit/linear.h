@@ -7,7 +7,7 @@
 #include "deasim/network.h"
 
 /* False when a line of the netlist shows at once that it is not linear, or asks for something only ngspice does
- * (.ic, uic, several devices). Costs no ngspice. */
+ * (uic, several devices). Costs no ngspice. */
 bool dea_linear_possible(const struct dea_netlist *netlist);
 
 /* True when every .measure line can be evaluated on a file of the circuit's unknowns: no parameters in it. */

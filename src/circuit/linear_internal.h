@@ -36,6 +36,15 @@ struct reader {
     struct dea_error *error;
 };
 
+/* The unknown of a node, a new one where the name is; GROUND is none. */
+enum dea_status dea_linear_find_node(struct reader *reader, const char *name, int *node);
+
+/* The element of the present line; `second` is the pass for elements that refer to others. */
+enum dea_status dea_linear_read_element(struct reader *reader, bool second);
+
+/* .ic v(node)=value ..., when all nodes are known. */
+enum dea_status dea_linear_read_initials(struct reader *reader);
+
 /* Adds the independent source of the present line, `multiplier` of them, to these rows; or finds it not linear. */
 enum dea_status dea_linear_add_source(struct reader *reader, int row, int other_row, double multiplier);
 

@@ -9,6 +9,7 @@
 #include <sundials/sundials_dense.h>
 
 #define MAX_SETTLE_ITERATIONS 20
+#define HOLD_CONDUCTANCE 1e10  /* S; of a node that .ic holds */
 #define OPEN_CONDUCTANCE 1e-15 /* S; holds nodes that only capacitors touch while the operating point is solved */
 
 /* ---- layout ---- */
@@ -206,6 +207,15 @@ void plant_network_mark(const struct dea_plant *plant, char *pattern, bool slack
 
 /* ---- operating point ---- */
 
+/* Puts a stiff source in the place of what hangs on a node, currents of branches excepted: as ngspice does. */
+static void hold_node(const struct dea_network *network, const struct dea_network_initial *initial, sunrealtype **a,
+                      double *w) {
+    for (int column = 0; column < network->node_count; column++)
+        a[column][initial->node] = 0.0;
+    a[initial->node][initial->node] = HOLD_CONDUCTANCE;
+    w[initial->node] = HOLD_CONDUCTANCE * initial->voltage;
+}
+
 /* Node voltages and branch currents at rest: capacitors open, inductors short, films drawing the given currents. */
 static bool solve_at_rest(struct dea_plant *plant, double t, const double drawn[DEA_ZONES], double *w) {
     const struct dea_network *network = plant->options.network;
@@ -233,6 +243,8 @@ static bool solve_at_rest(struct dea_plant *plant, double t, const double drawn[
             if (network->ports[k].n >= 0)
                 w[network->ports[k].n] += drawn[k];
         }
+        for (size_t s = 0; s < network->initial_count; s++)
+            hold_node(network, &network->initials[s], a, w);
         good = SUNDlsMat_denseGETRF(a, n, n, pivots) == 0;
         if (good)
             SUNDlsMat_denseGETRS(a, n, pivots, w);
