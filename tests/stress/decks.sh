@@ -61,7 +61,11 @@ for name in "${names[@]}"; do
     tighten "$step" "${options//,/ }"
     save_pairs "$path" <tight.cir >saved.cir
     started=$(date +%s.%N)
-    expect 0 ngspice -b -r tight.raw saved.cir
+    if ! ngspice -b -r tight.raw saved.cir >out 2>err; then
+        printf '%s %s: %s  <<<\n' "$step" "$options" "$(grep -ioE 'Timestep too small.*' err | head -n 1)"
+        ((failed += 1))
+        continue
+    fi
     ended=$(date +%s.%N)
     read -r x port points <<<"$(differences "$path" tight.raw)"
     awk -v x="$x" -v p="$port" -v n="$points" -v s="$step" -v o="$options" -v a="$started" -v b="$ended" 'BEGIN {
