@@ -3,6 +3,8 @@
 #include "circuit/netlist_internal.h"
 
 #include <ctype.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,8 +176,37 @@ static enum dea_status measure_function(struct functions *functions, struct func
 
 /* ---- ngspice's functions ---- */
 
-/* Wrong numbers of arguments in a line that becomes a behavioural source. */
-static enum dea_status check_arguments(const struct functions *functions, int index) {
+/* pwl(x, x1,y1, x2,y2, ..): the points must be constants, x going up. */
+static enum dea_status check_points(const struct functions *functions, int index, const char *open, const char *close) {
+    double last = -INFINITY, value;
+    int depth = 0, place = 0;
+    const char *start = open + 1;
+    for (const char *c = open + 1; c <= close; c++) {
+        depth += (strchr("([{", *c) != NULL) - (c < close && strchr(")]}", *c) != NULL);
+        if (c < close && (depth > 0 || *c != ','))
+            continue;
+        char argument[64];
+        start = skip_blanks(start);
+        size_t length = (size_t)(c - start);
+        snprintf(argument, sizeof argument, "%.*s", (int)(length < sizeof argument ? length : sizeof argument - 1),
+                 start);
+        while (length > 0 && length < sizeof argument && isspace((unsigned char)argument[length - 1]))
+            argument[--length] = '\0';
+        if (place > 0 && (strcasestr(argument, "v(") != NULL || strcasestr(argument, "i(") != NULL))
+            return dea_netlist_fail(functions->job, index, "pwl(): %s is no constant; points are", argument);
+        if (place % 2 == 1 && dea_spice_number(argument, &value)) {
+            if (value <= last)
+                return dea_netlist_fail(functions->job, index, "pwl(): its points must go up, %s does not", argument);
+            last = value;
+        }
+        place++;
+        start = c + 1;
+    }
+    return DEA_OK;
+}
+
+/* Wrong numbers of arguments in a text that becomes a behavioural source. */
+static enum dea_status check_arguments(const struct functions *functions, int index, const char *text) {
     static const struct {
         const char *name;
         int least, most;
@@ -187,13 +218,14 @@ static enum dea_status check_arguments(const struct functions *functions, int in
         {"u2", 1, 1},    {"uramp", 1, 1}, {"max", 2, 2},   {"min", 2, 2},    {"pow", 2, 2},   {"pwr", 2, 2},
         {"limit", 2, 3}, {"unif", 2, 2},  {"aunif", 2, 2}, {"agauss", 3, 3}, {"gauss", 3, 3}, {"pwl", 5, 100000},
     };
-    const char *text = functions->job->netlist->lines[index].text, *end = text + strlen(text), *cursor = text, *name;
+    const char *end = text + strlen(text), *cursor = text, *name;
     size_t length;
     while (find_name(&cursor, end, &name, &length)) {
         const char *open = skip_blanks(cursor);
         if (*open != '(' || find_function(functions, name, length) != NULL)
             continue;
-        int count = count_arguments(open, find_close(open, end));
+        const char *close = find_close(open, end);
+        int count = count_arguments(open, close);
         if (count == 1 && same_name(name, length, "pwl") && isdigit((unsigned char)*skip_blanks(open + 1)))
             continue; /* E1 p n PWL(1) cp cn ..: a kind of source */
         for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
@@ -201,6 +233,8 @@ static enum dea_status check_arguments(const struct functions *functions, int in
                 return dea_netlist_fail(functions->job, index, "%s() takes %s%d argument%s, %d %s given", known[i].name,
                                         known[i].most > known[i].least ? "at least " : "", known[i].least,
                                         known[i].least == 1 ? "" : "s", count, count == 1 ? "is" : "are");
+        if (same_name(name, length, "pwl"))
+            DEA_TRY(check_points(functions, index, open, close));
     }
     return DEA_OK;
 }
@@ -213,7 +247,10 @@ static enum dea_status check_lines(struct functions *functions) {
         if (!netlist->lines[i].passed)
             continue;
         if (function || strchr("bBeEgGrRcClLfFhH", text[0]) != NULL)
-            DEA_TRY(check_arguments(functions, i));
+            DEA_TRY(check_arguments(functions, i, text));
+        const char *expression = strncasecmp(text, ".meas", 5) == 0 ? strcasestr(text, "par(") : NULL;
+        if (expression != NULL)
+            DEA_TRY(check_arguments(functions, i, expression));
         struct length length = {0};
         if (!function && functions->count > 0)
             DEA_TRY(measure_text(functions, text, text + strlen(text), NULL, &length));

@@ -212,6 +212,21 @@ static enum dea_status vet_parameters(struct dea_netlist_job *job, int index) {
     return DEA_OK;
 }
 
+/* `.csparam` without `name=value`, `v()` in .ic and .nodeset: ngspice crashes. */
+static enum dea_status vet_settings(struct dea_netlist_job *job, int index, const char *card) {
+    const char *text = job->netlist->lines[index].text;
+    if (strcmp(card, ".csparam") == 0) {
+        const char *equals = strchr(text, '=');
+        if (equals == NULL || equals[1 + strspn(equals + 1, " \t")] == '\0')
+            return dea_netlist_fail(job, index, ".csparam: written as in .csparam name={value}");
+        return DEA_OK;
+    }
+    for (const char *open = strchr(text, '('); open != NULL; open = strchr(open + 1, '('))
+        if (open[1 + strspn(open + 1, " \t")] == ')')
+            return dea_netlist_fail(job, index, "%s: v() names no node", card);
+    return DEA_OK;
+}
+
 /* par('expression') of a .measure: ngspice corrupts its memory over a lone '=' and over blanks inside v(...). */
 static enum dea_status vet_measure(struct dea_netlist_job *job, int index) {
     const char *c = job->netlist->lines[index].text;
@@ -309,6 +324,8 @@ static enum dea_status vet_source(struct dea_netlist_job *job, int index) {
     while (dea_netlist_token(&cursor, token)) {
         if (strcmp(token, "external") == 0)
             return dea_netlist_fail(job, index, "EXTERNAL sources are refused: nothing would drive them");
+        if (strcmp(token, "portnum") == 0)
+            return dea_netlist_fail(job, index, "portnum is refused: it is for S-parameters, and ngspice crashes");
         if (strcmp(token, "pwl") == 0)
             DEA_TRY(check_points(job, index, cursor));
     }
@@ -336,6 +353,8 @@ static enum dea_status vet_card(struct dea_netlist_job *job, int index) {
         return vet_model(job, index);
     if (strcmp(card, ".param") == 0)
         return vet_parameters(job, index);
+    if (strcmp(card, ".csparam") == 0 || strcmp(card, ".ic") == 0 || strcmp(card, ".nodeset") == 0)
+        return vet_settings(job, index, card);
     if (line->passed && strncmp(card, ".meas", 5) == 0)
         DEA_TRY(vet_measure(job, index));
     if (strncmp(card, ".meas", 5) == 0 && dea_netlist_token(&cursor, kind) && strcmp(kind, "tran") != 0) {

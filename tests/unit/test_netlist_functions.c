@@ -36,8 +36,13 @@ static void test_arguments_are_counted(void **state) {
     expect("B1 b 0 I=Pow(V(a))\n", ":2: pow() takes 2 arguments, 1 is given");
     expect("B1 b 0 V=sin()\n", ":2: sin() takes 1 argument, 0 are given");
     expect("B1 b 0 V=pwl(V(a),0,0)\n", ":2: pwl() takes at least 5 arguments, 3 are given");
+    expect("B1 b 0 V=pwl(V(a),1,0,0,1)\n", ":2: pwl(): its points must go up, 0 does not");
+    expect("B1 b 0 V=pwl(V(a),0,0, V(c) ,1)\n", ":2: pwl(): V(c) is no constant");
+    expect("B1 b 0 V=pwl(V(a)+max(1,2),-1,0, {x} , (1+2) , 1m,5)+pwl(V(c),0,0,1,1)\n", NULL);
     expect("R1 b 0 r='min(V(a))'\n", ":2: min() takes 2 arguments");
     expect(".func f(x) {abs(x,1)}\nR1 b 0 1\n", ":2: abs() takes 1 argument");
+    expect("R1 b 0 1\n.measure tran m max par('exp(v(a),2)')\n", ":3: exp() takes 1 argument");
+    expect("R1 b 0 1\n.measure tran m max par('max(v(a),2)')\n.measure tran n max v(b)\n", NULL);
     expect("B1 b 0 V=max(V(a,c),min(V(a),{k*(1+2)}))+2e3*sin(6.28*time)\n", NULL);
     expect("B1 b 0 V=pwl(V(a),0,0,1,1)\nE1 c 0 PWL(1) a 0 0,0 1,1\n", NULL);
     expect("V1 b 0 SIN(0,1,1k)\nV2 c 0 PWL(0 0 1m 1)\n", NULL);
