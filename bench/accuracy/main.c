@@ -12,7 +12,7 @@
 #define SAMPLES 1000
 #define RUN_LIMIT 60.0         /* s */
 #define REFERENCE_LIMIT 120.0  /* s */
-#define INDEPENDENT_LIMIT 10.0 /* s */
+#define INDEPENDENT_LIMIT 20.0 /* s */
 #define MANY_IMPACTS 8         /* on end stops, after which a motion depends on its smallest details */
 
 struct study {

@@ -99,13 +99,19 @@ static size_t add_squares(const struct rows *rows, const struct rows *reference,
     return common;
 }
 
+/* A signal of a smaller root mean square is not there: a hundredth of an atom's size, and what moves it. */
+#define RESOLVED_LENGTH 1e-12 /* m */
+#define RESOLVED_VOLTAGE 1e-9 /* V */
+
 struct delivered rows_compare(const struct rows *rows, const struct rows *reference) {
     struct delivered delivered = {NAN, NAN};
     double difference[MAX_COLUMNS], size[MAX_COLUMNS], largest[MAX_COLUMNS] = {0.0};
+    double samples[MAX_COLUMNS];
     if (rows->columns != reference->columns)
         return delivered;
     for (int i = 0; i < rows->columns; i++) {
-        if ((double)add_squares(rows, reference, i, &difference[i], &size[i]) < 0.9 * (double)rows->count)
+        samples[i] = (double)add_squares(rows, reference, i, &difference[i], &size[i]);
+        if (samples[i] < 0.9 * (double)rows->count)
             return delivered;
         if (rows->is_port[i])
             largest[rows->device[i]] = fmax(largest[rows->device[i]], size[i]);
@@ -113,7 +119,8 @@ struct delivered rows_compare(const struct rows *rows, const struct rows *refere
     delivered.x = delivered.ports = 0.0;
     for (int i = 0; i < rows->columns; i++) {
         double whole = rows->is_port[i] ? largest[rows->device[i]] : size[i];
-        double error = difference[i] > 0.0 ? sqrt(difference[i] / whole) : 0.0;
+        double resolved = rows->is_port[i] ? RESOLVED_VOLTAGE : RESOLVED_LENGTH;
+        double error = size[i] > resolved * resolved * samples[i] ? sqrt(difference[i] / whole) : 0.0;
         double *worst = rows->is_port[i] ? &delivered.ports : &delivered.x;
         *worst = fmax(*worst, error);
     }

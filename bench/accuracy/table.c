@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STILL 1e-13 /* an error below says that nothing moves, or nothing but rounding */
+#define DISAGREEMENT 1e-7 /* between the independent program and the program's own reference */
+#define STILL 1e-13       /* an error below says that nothing moves, or nothing but rounding */
 
 double point_error(const struct point *point) {
     return fmax(point->delivered.x, point->delivered.ports);
@@ -70,6 +71,8 @@ int write_table(const struct points *points, FILE *file) {
     fprintf(file, "\n");
     for (size_t i = 0; i < points->count; i++) {
         const struct point *p = &points->points[i];
+        if (p->reference_at <= 0.0 && p->doubt > DISAGREEMENT && (i == 0 || strcmp(p->scene, p[-1].scene) != 0))
+            fprintf(file, "- %s: the independent program differs by %.1e\n", p->scene, p->doubt);
         if (p->problem[0] != '\0')
             fprintf(file, "- %s, %s, %.0e: %s\n", p->scene, p->mode, p->asked, p->problem);
         if (!point_counts(p) || point_error(p) <= p->asked)

@@ -30,6 +30,7 @@ struct dea_plant_port {
 struct dea_plant_options {
     double accuracy;  /* A: promised relative error; sets the integrator's tolerance */
     double duration;  /* s, expected length of the run: errors of an undamped device grow with it; 0: unknown */
+    double periods;   /* of the fastest drive over that length; 0: none, or unknown */
     double max_step;  /* s, 0: none */
     double load_peak; /* largest expected |load|, N, for scales */
     struct dea_plant_port ports[DEA_ZONES];

@@ -59,10 +59,23 @@ static unsigned watched_events(const struct dea_scene *scene) {
     return kinds;
 }
 
+/* Periods of the fastest waveform over the run. */
+static double count_periods(const struct native_run *run) {
+    const struct dea_scene *scene = run->scene;
+    double periods = scene->has_load_waveform ? dea_waveform_periods(&scene->load, run->stop) : 0.0;
+    for (int k = 0; k < DEA_ZONES; k++)
+        if (scene->sources[k].present)
+            periods = fmax(periods, dea_waveform_periods(&scene->sources[k].waveform, run->stop));
+    for (size_t i = 0; run->network != NULL && i < run->network->source_count; i++)
+        periods = fmax(periods, dea_waveform_periods(&run->network->sources[i].waveform, run->stop));
+    return periods;
+}
+
 static enum dea_status create_plant(struct native_run *run, struct dea_error *error) {
     const struct dea_scene *scene = run->scene;
     struct dea_plant_options options = {.accuracy = scene->accuracy,
                                         .duration = run->stop,
+                                        .periods = count_periods(run),
                                         .max_step = scene->max_step,
                                         .network = run->network,
                                         .settle_time = SETTLE_RATIO * run->stop};

@@ -7,8 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-#define LIMIT_MARGIN 1e-3 /* of the elastic law, D/Jm */
-#define HYSTERESIS 1e-9   /* a limit just crossed must be left by this much, so that rounding is no event */
+#define LIMIT_MARGIN 1e-3   /* of the elastic law, D/Jm */
+#define HYSTERESIS 1e-9     /* a limit just crossed must be left by this much, so that rounding is no event */
+#define STOP_HYSTERESIS 0.1 /* of what a step may err: a platform leaving a stop must be off it for good */
 
 static double breakdown_reserve(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
@@ -70,7 +71,8 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
     for (int i = 0; i < plant->event_count; i++) {
         double value = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
         if (plant->violated[i])
-            value -= HYSTERESIS;
+            value -=
+                plant->roots[i].kind == DEA_EVENT_STOP ? fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : HYSTERESIS;
         values[i] = value != 0.0 ? value : DBL_MIN; /* IDA cannot leave a function that stays at 0 */
     }
     plant_limit_roots(plant, t, up, values + plant->event_count);

@@ -328,8 +328,11 @@ enum dea_status plant_free_order(struct dea_plant *plant, struct dea_error *erro
 static enum dea_status note_roots(struct dea_plant *plant, bool found, bool *event, struct dea_error *error) {
     if (found && IDAGetRootInfo(plant->ida, plant->root_hits) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no information on the event", plant->t);
-    for (int i = 0; found && i < plant->event_count; i++)
+    for (int i = 0; found && i < plant->event_count; i++) {
+        bool bends = plant->roots[i].kind == DEA_EVENT_SLACK || plant->roots[i].kind == DEA_EVENT_STOP;
         *event = *event || plant->root_hits[i] != 0;
+        plant->bent = plant->bent || (plant->root_hits[i] != 0 && bends && plant->network == ABSENT);
+    }
     if (plant_note_limits(plant, found ? plant->root_hits + plant->event_count : NULL) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state left the model", plant->t);
     return DEA_OK;
@@ -338,7 +341,7 @@ static enum dea_status note_roots(struct dea_plant *plant, bool found, bool *eve
 enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea_step *step, struct dea_error *error) {
     double reached = plant->t, quad_time;
     DEA_TRY(lower_order(plant, error));
-    if (plant_limits_turn(plant))
+    if (plant->bent || plant_limits_turn(plant))
         DEA_TRY(plant_turn_over(plant, error));
     if (IDASetStopTime(plant->ida, limit) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot stop at %.17g s", plant->t, limit);

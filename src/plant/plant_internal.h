@@ -130,6 +130,8 @@ struct dea_plant {
     } roots[MAX_EVENTS];
     int root_hits[MAX_EVENTS + MAX_LIMITS]; /* those of the limits behind those of the events */
     bool violated[MAX_EVENTS];              /* as last told to the caller */
+    bool
+        bent; /* a film or stop began or ceased to pull: a bend of the forces, from which the next step starts afresh */
     int limit_count;
     struct held_limit limits[MAX_LIMITS];
 

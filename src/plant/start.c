@@ -342,6 +342,7 @@ enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plan
                         plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
     plant->inputs = *inputs;
     plant->stats.restarts++;
+    plant->bent = false;
     DEA_TRY(plant_free_order(plant, error));
     DEA_TRY(make_consistent(plant, error));
     plant_choose_limits(plant);
@@ -353,5 +354,6 @@ enum dea_status plant_turn_over(struct dea_plant *plant, struct dea_error *error
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state is outside the model: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "unknown reason");
     plant->stats.restarts++;
+    plant->bent = false;
     return make_consistent(plant, error);
 }

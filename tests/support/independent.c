@@ -930,6 +930,8 @@ static bool integrate(struct model *m, real tolerance, size_t samples) {
                 good = sample(m, t, y, next_sample++);
         }
     }
+    while (good && next_sample <= samples) /* due at the end, but for rounding */
+        good = sample(m, stop, y, next_sample++);
     if (good) {
         m->trace->stored = (double)(stored_energy(m, stop, y) - stored);
         m->trace->work = (double)y[m->count - 3];
