@@ -59,6 +59,7 @@ struct point {
     double reference_at; /* A of the reference; 0 for the independent program */
     double doubt;        /* difference of the reference to a second one */
     bool sensitive;      /* many impacts on end stops: not judged */
+    bool unsure;         /* the reference is hardly better than what was asked: not judged */
 };
 
 struct points {

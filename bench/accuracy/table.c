@@ -13,7 +13,7 @@ double point_error(const struct point *point) {
 }
 
 bool point_counts(const struct point *point) {
-    return point->problem[0] == '\0' && !point->sensitive && point_error(point) > STILL;
+    return point->problem[0] == '\0' && !point->sensitive && !point->unsure && point_error(point) > STILL;
 }
 
 void write_csv(const struct points *points, FILE *file) {

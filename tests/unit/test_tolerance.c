@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 
 #include "capture.h"
 #include "scenes.h"
@@ -35,6 +36,36 @@ static void test_delivered_accuracy(void **context) {
             capture_free(&run);
         }
         independent_free(&truth);
+    }
+}
+
+/* A slice of `./dev bench accuracy`: no scene delivers less than asked, nor closes its books worse. */
+static void test_scenes_keep_promise(void **context) {
+    (void)context;
+    static const char *const scenes[] = {
+        "tests/cases/amplifier_tight_current.yaml", "tests/cases/amplifier_chopped.yaml",
+        "tests/cases/massless_leaking.yaml",        "tests/cases/slack_passive.yaml",
+        "tests/cases/sine_resonance.yaml",          "examples/rc_step.yaml"};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        char path[512];
+        struct dea_scene scene = {0};
+        struct dea_error error;
+        snprintf(path, sizeof path, "%s/%s", SOURCE_ROOT, scenes[i]);
+        if (dea_scene_read(path, NULL, 0, &scene, &error) != DEA_OK)
+            fail_msg("%s", error.text);
+        struct capture reference;
+        capture_run(&scene, 1e-8, SAMPLES, &reference);
+        assert_true(reference.status >= 0);
+        for (double accuracy = 1e-2; accuracy > 0.5e-5; accuracy *= 1e-2) {
+            struct capture run;
+            capture_run(&scene, accuracy, SAMPLES, &run);
+            double delivered = capture_difference(&run, &reference, NULL), gap = run.result.energy.imbalance;
+            if (!(delivered <= accuracy && delivered > 0.0 && gap <= accuracy))
+                fail_msg("%s: asked %g, got %g, energy gap %g", scenes[i], accuracy, delivered, gap);
+            capture_free(&run);
+        }
+        capture_free(&reference);
+        dea_scene_clear(&scene);
     }
 }
 
@@ -106,6 +137,7 @@ static void test_small_and_slow_energy(void **context) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_delivered_accuracy),
+        cmocka_unit_test(test_scenes_keep_promise),
         cmocka_unit_test(test_energy_against_independent_books),
         cmocka_unit_test(test_cost),
         cmocka_unit_test(test_small_and_slow_energy),
