@@ -1,12 +1,13 @@
 # shellcheck shell=bash
-# Delivered against asked accuracy over all scenes: table, rows and picture. usage: accuracy.sh PROGRAM [SCENE...]
-# With scenes named, results go to out/bench only.
+# Delivered against asked accuracy over all scenes: table, rows and picture. usage: accuracy.sh PROGRAM [--quick | SCENE...]
+# With scenes named, or --quick (the benchmark's own), results go to out/bench only.
 set -uo pipefail
 program=$1
 shift
 results=docs/performance
-scenes=("$@")
 shopt -s nullglob
+scenes=("$@")
+[[ ${1:-} != --quick ]] || scenes=(bench/scenes/*.yaml)
 if ((${#scenes[@]} == 0)); then
     scenes=(examples/*.yaml bench/scenes/*.yaml tests/cases/*.yaml)
 else
