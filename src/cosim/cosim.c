@@ -25,6 +25,7 @@
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
+#define PAST_CORNER 1e-9 /* of the run */
 #define MAX_REST_ROUNDS 50
 #define MAX_POINTS 4096 /* of the circuit between two exchanges: memory stays flat, and the fits linear */
 
@@ -156,6 +157,9 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
         DEA_TRY(coupled_renew(&run->devices[i], run->horizon, error));
         if (device->device->effective_mass > 0.0 && !device->at_rest && run->rests)
             run->horizon = fmin(run->horizon, SWING_REACH * natural_time(device->device));
+        double corner = coupled_next_corner(device) - run->reached; /* of the load: nothing is foreseen beyond it */
+        if (corner > 0.0)                                           /* one that is missed by rounding is passed soon */
+            run->horizon = fmin(run->horizon, fmax(corner, PAST_CORNER * run->stop));
     }
     return observer_write(run->observer, run->reached, error);
 }

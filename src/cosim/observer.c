@@ -44,9 +44,9 @@ struct observer {
     double last_row; /* s, time of the last row */
     /* rows in the making: sample times next_sample * sample, (next_sample + 1) * sample, ... */
     long next_sample;
-    long *reached;         /* per plant: first sample it has not filled */
-    double *pending;       /* pending_rows times all signals */
-    double *pending_ports; /* pending_rows times ports times PORT_VALUES; NAN: none */
+    long *reached;                    /* per plant: first sample it has not filled */
+    double *pending;                  /* pending_rows times all signals */
+    double *pending_ports;            /* pending_rows times ports times PORT_VALUES; NAN: none */
     size_t pending_rows, filled_rows; /* room; rows anything has been put into */
     bool warned[DEA_EVENT_COUNT];
     /* while events are booked */

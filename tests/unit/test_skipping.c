@@ -211,6 +211,32 @@ static void test_small_swing_is_followed(void **state) {
     dea_scene_clear(&scene);
 }
 
+/* A load that pushes while the circuit rests: the circuit hears of it at once. A film behind 1 GOhm answers in voltage.
+ */
+static void test_load_ends_the_rest(void **state) {
+    (void)state;
+    static const char netlist[] = "t\nVs s 0 2500\nRs s left 1G\nCl left 0 100p\nRb right 0 1k\n"
+                                  "Xdea left 0 right 0 pos DEA\n.end\n";
+    static const struct coupled_scene listed = {
+        "load", DEVICE, netlist, 8.0, "load: {type: pulse, high: 0.1 N, delay: 3.3 s, rise: 0 s, width: 2 s}"};
+    struct dea_scene scene;
+    struct coupled_rows with, without, linear;
+    make_listed_scene(&listed, &scene);
+    run_with_control(&scene, 1e-4, &(struct cosim_control){0}, 4000, &with);
+    run_with_control(&scene, 1e-4, &(struct cosim_control){.restless = true}, 4000, &without);
+    run_scene(&scene, DEA_ENGINE_AUTO, 1e-5, 4000, &linear);
+    assert_good(&with);
+    assert_good(&without);
+    assert_good(&linear);
+    assert_string_equal(linear.result.stats_run.mode, "linear");
+    assert_agree("load", &with, &linear, 1e-4);
+    assert_agree("load, restless", &without, &linear, 1e-4);
+    free_rows(&with);
+    free_rows(&without);
+    free_rows(&linear);
+    dea_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_linear_circuits, enter, leave),
@@ -221,6 +247,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_length_of_a_hold, enter, leave),
         cmocka_unit_test_setup_teardown(test_hours_of_leakage, enter, leave),
         cmocka_unit_test_setup_teardown(test_small_swing_is_followed, enter, leave),
+        cmocka_unit_test_setup_teardown(test_load_ends_the_rest, enter, leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
