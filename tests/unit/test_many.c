@@ -1,0 +1,167 @@
+/* Many devices in one netlist, many scenes in one process: cost and memory do not grow faster than the number. */
+#include "coupled_capture.h"
+#include "coupled_cases.h"
+#include "deasim/run.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static int enter(void **state) {
+    static struct test_folder folder;
+    enter_folder(&folder);
+    *state = &folder;
+    return 0;
+}
+
+static int leave(void **state) {
+    leave_folder(*state);
+    return 0;
+}
+
+/* ---- many devices ---- */
+
+#define ACCURACY 1e-3
+
+enum { SAMPLES = 50, MANY = 16 };
+
+/* Every device behind its own resistor and diode, on one source. */
+static void run_devices(int count, struct coupled_rows *rows) {
+    struct dea_scene scene;
+    FILE *file = fopen("many.cir", "w");
+    assert_non_null(file);
+    fputs("many\nVs s 0 PULSE(0 2500 1m 1m 1m 6m)\n.model dd D(is=1e-12 n=2 rs=10 cjo=1p bv=10k)\n", file);
+    for (int i = 0; i < count; i++)
+        fprintf(file, "R%d s a%d 1meg\nD%d a%d l%d dd\nRl%d l%d 0 50meg\nRr%d r%d 0 1k\nXd%d l%d 0 r%d 0 pos%d DEA\n",
+                i, i, i, i, i, i, i, i, i, i, i, i, i);
+    fputs(".end\n", file);
+    assert_int_equal(fclose(file), 0);
+    make_scene("{" TWO_ZONES "}", "many.cir", 20e-3, SILENT_EVENTS, &scene);
+    run_scene(&scene, DEA_ENGINE_AUTO, ACCURACY, SAMPLES, rows);
+    if (rows->status != DEA_OK)
+        fail_msg("%d devices: %s", count, rows->error.text);
+    assert_string_equal(rows->result.stats_run.mode, "cosim");
+    assert_int_equal(rows->count, SAMPLES + 1);
+    dea_scene_clear(&scene);
+}
+
+/* Alike devices move alike, as one alone does; each costs what one alone costs, however many others there are. */
+static void test_alike_devices(void **state) {
+    (void)state;
+    struct coupled_rows one, many;
+    run_devices(1, &one);
+    run_devices(MANY, &many);
+    assert_int_equal(many.columns, MANY * one.columns);
+    const char *const names[] = {"x", "left.port_voltage", "left.charge"};
+    for (size_t n = 0; n < sizeof names / sizeof names[0]; n++) {
+        size_t c = (size_t)find_signal(&one, names[n]);
+        double largest = 0.0;
+        for (size_t r = 0; r < one.count; r++)
+            largest = fmax(largest, fabs(one.values[r * one.columns + c]));
+        assert_true(largest > 0.0);
+        for (size_t r = 0; r < many.count * MANY; r++) /* each device of each row */
+            assert_true(fabs(many.values[r * one.columns + c] - one.values[r / MANY * one.columns + c]) <=
+                        0.2 * ACCURACY * largest);
+    }
+    const struct dea_run_stats *alone = &one.result.stats_run, *together = &many.result.stats_run;
+    assert_true(together->circuit_points <= 1.2 * (double)alone->circuit_points);
+    assert_true(together->plant_steps <= 1.2 * MANY * (double)alone->plant_steps);
+    assert_true(together->residuals <= 1.2 * MANY * (double)alone->residuals);
+    assert_true(together->jacobians <= 1.2 * MANY * (double)alone->jacobians);
+    free_rows(&one);
+    free_rows(&many);
+}
+
+/* ---- many scenes ---- */
+
+enum { SCENES = 200, SETTLED = 20, ROOM = 2 << 20 }; /* the latter: bytes */
+
+static long resident(void) {
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
+    fclose(file);
+    return pages * sysconf(_SC_PAGESIZE);
+}
+
+static void write_netlist(int number, const char *part) {
+    FILE *file = fopen("scene.cir", "w");
+    assert_non_null(file);
+    fprintf(file,
+            "scene %d\nVs s 0 PULSE(0 %d 0.1m 0.1m 0.1m 1m)\nRs s a %dk\n%s\nRb left 0 100meg\nRr right 0 1k\n"
+            "Xdea left 0 right 0 pos DEA\n.measure tran top max v(left)\n.model dd D(is=1e-12 n=2 rs=10)\n.end\n",
+            number, 1000 + 3 * number, 100 + number, part);
+    assert_int_equal(fclose(file), 0);
+}
+
+static const char *const modes[] = {"native", "linear", "cosim", "cosim"};
+
+/* A scene unlike those before it: native sources, a linear netlist, one with a diode, one that runs into an event. */
+static void write_scene(int number) {
+    FILE *file = fopen("scene.yaml", "w");
+    assert_non_null(file);
+    fprintf(file, "title: Scene %d\ndevice: {base: %s}\ntransient: {stop: %g ms, accuracy: 1e-3}\n", number,
+            SOURCE_ROOT "/models/planar_c_s5.yaml", 2.0 + 0.005 * number);
+    fprintf(file, "output: {formats: [csv, raw, hdf5]}\nevents: {breakdown: %s, slack: warn}\n",
+            number % 4 == 3 ? "stop" : "warn");
+    if (number % 4 == 0)
+        fprintf(file, "drive: {left: {waveform: {type: sine, offset: 1 kV, amplitude: %d V, frequency: 1 kHz}}}\n",
+                500 + number);
+    else
+        fputs("drive: {netlist: scene.cir}\n", file);
+    assert_int_equal(fclose(file), 0);
+    if (number % 4 == 1)
+        write_netlist(number, "Ra a left 1k");
+    else
+        write_netlist(number, "Da a left dd");
+}
+
+static void run_one(int number) {
+    struct dea_scene scene;
+    struct dea_result result;
+    struct dea_error error;
+    struct dea_report silent = {0};
+    struct dea_run_options options = {.report = &silent, .directory = "."};
+    write_scene(number);
+    if (dea_scene_read("scene.yaml", NULL, 0, &scene, &error) != DEA_OK)
+        fail_msg("scene %d: %s", number, error.text);
+    if (dea_run_scene(&scene, &options, &result, &error) < 0)
+        fail_msg("scene %d: %s", number, error.text);
+    assert_string_equal(result.stats_run.mode, modes[number % 4]);
+    dea_result_clear(&result);
+    dea_scene_clear(&scene);
+    struct dea_override bad = {"transient.stop", "-1"}; /* and what is refused leaves nothing either */
+    assert_int_equal(dea_scene_read("scene.yaml", &bad, 1, &scene, &error), DEA_ERR_INPUT);
+}
+
+static void test_scenes_in_a_row(void **state) {
+    (void)state;
+    long settled = 0;
+    for (int number = 0; number < SCENES; number++) {
+        run_one(number);
+        if (number == SETTLED - 1)
+            settled = resident();
+    }
+    long grown = resident() - settled;
+#ifndef __SANITIZE_ADDRESS__ /* it keeps freed memory for a while; it finds leaks itself */
+    if (grown > ROOM)
+        fail_msg("%ld kB more after %d scenes than after %d", grown / 1024, SCENES, SETTLED);
+#endif
+    print_message("%ld kB after %d scenes, %ld kB more after %d\n", settled / 1024, SETTLED, grown / 1024, SCENES);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_alike_devices, enter, leave),
+        cmocka_unit_test_setup_teardown(test_scenes_in_a_row, enter, leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
