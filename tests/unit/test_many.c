@@ -140,6 +140,7 @@ static void run_one(int number) {
     dea_scene_clear(&scene);
     struct dea_override bad = {"transient.stop", "-1"}; /* and what is refused leaves nothing either */
     assert_int_equal(dea_scene_read("scene.yaml", &bad, 1, &scene, &error), DEA_ERR_INPUT);
+    dea_scene_clear(&scene);
 }
 
 static void test_scenes_in_a_row(void **state) {
