@@ -31,21 +31,30 @@ struct linear_run {
     struct dea_recorder *recorder;
     double *row; /* owned */
     int unknowns;
+    struct dea_engine_callbacks callbacks;
+    struct dea_report *report; /* hears ngspice's warnings; NULL: not wanted */
 };
 
 /* ---- reading the circuit ---- */
 
+static void pass_message(void *context, enum dea_message_kind kind, const char *text) {
+    const struct linear_run *run = context;
+    if (run->report != NULL && kind == DEA_MESSAGE_WARNING)
+        dea_report_warn(run->report, "%s", text);
+}
+
 /* ngspice flattens subcircuits, puts parameters in and lists what is left. */
 static enum dea_status read_circuit(struct linear_run *run, bool *linear, char *why, size_t why_size,
                                     struct dea_error *error) {
-    static const struct dea_engine_callbacks silent;
     const struct dea_netlist *netlist = run->netlist;
     run->deck_options =
         (struct dea_deck_options){.stop = run->stop, .step = netlist->tran.step, .max_step = netlist->tran.max_step};
     DEA_TRY(cosim_describe_devices(run->scene, &run->devices, error));
     DEA_TRY(dea_deck_build(netlist, run->devices, &run->deck_options, &run->deck, error));
     DEA_TRY(dea_engine_open(&run->engine, error));
-    DEA_TRY(dea_engine_load(run->engine, netlist, &run->deck, run->devices, &run->deck_options, &silent, error));
+    run->callbacks = (struct dea_engine_callbacks){.context = run, .message = pass_message};
+    DEA_TRY(
+        dea_engine_load(run->engine, netlist, &run->deck, run->devices, &run->deck_options, &run->callbacks, error));
     struct dea_listing listing;
     enum dea_status status = dea_engine_list(run->engine, &listing, error);
     if (status == DEA_OK) {
@@ -102,13 +111,19 @@ static enum dea_status record(void *context, double t, const double *unknowns, d
     return dea_recorder_append(run->recorder, t, run->row, error);
 }
 
-static enum dea_status measure(struct linear_run *run, struct dea_result *result, struct dea_error *error) {
+static enum dea_status measure(struct linear_run *run, struct dea_report *report, struct dea_result *result,
+                               struct dea_error *error) {
     char path[96];
     DEA_TRY(dea_recorder_close(run->recorder, error));
     run->recorder = NULL;
     snprintf(path, sizeof path, "%s/result.raw", run->folder);
+    run->report = report; /* what was said of the circuit before, the run beside ngspice would say */
     DEA_TRY(dea_engine_measure_file(run->engine, path, error));
-    return cosim_keep_measures(run->engine, result, error);
+    DEA_TRY(cosim_keep_measures(run->engine, result, error));
+    for (size_t i = 0; i < result->measure_count; i++) /* evaluated outside a run, ngspice does not name it */
+        if (result->measures[i].failed)
+            dea_report_warn(report, ".measure tran %s failed", result->measures[i].name);
+    return DEA_OK;
 }
 
 /* ---- the run ---- */
@@ -124,7 +139,7 @@ static enum dea_status solve(struct linear_run *run, const struct dea_run_option
     }
     enum dea_status status = run_native(run->scene, &circuit, options, sink, result, error);
     if (status >= 0 && measures)
-        DEA_TRY(measure(run, result, error));
+        DEA_TRY(measure(run, options->report, result, error));
     return status;
 }
 

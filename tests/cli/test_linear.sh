@@ -62,6 +62,19 @@ has out '"mode":	"linear"'
 cp out linear.json
 expect 0 "$DEASIM" run scene.yaml --json -q --engine ngspice
 close "$(number max linear.json)" "$(number max out)" 2e-3
+# a measure that fails is null and a warning; of two nodes only PAR can be measured: here 1 kV 1 MOhm 82 pF over 2 ms
+circuit '.measure tran never WHEN v(left)=9000' '.measure tran two AVG v(s,left)' ".measure tran par AVG par('v(s)-v(left)')"
+for engine in auto ngspice; do
+    expect 0 "$DEASIM" run scene.yaml --json --engine "$engine"
+    jq -e '.measures.never == null and .measures.two == null and .measures.par > 40 and .measures.par < 43' out >tested
+    has err '.measure tran never '
+    has err '.measure tran two '
+done
+# a circuit of thousands of unknowns is left to ngspice
+mapfile -t ladder < <(for ((i = 0; i < 2100; i++)); do printf 'Ra%d a%d a%d 1\n' "$i" "$i" $((i + 1)); done)
+circuit "${ladder[@]}" 'Ra a0 s 1'
+expect 0 "$DEASIM" run scene.yaml --json -q
+has out '"mode":	"cosim"'
 # a .measure line that ngspice's command language could take for more than a measure stays away from it
 circuit ".measure tran m MAX par('v(left); shell touch executed')"
 "$DEASIM" run scene.yaml --json -q >out 2>err || true # ngspice may refuse it, but not obey it
