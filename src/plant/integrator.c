@@ -34,7 +34,8 @@ static void drop_message(int code, const char *module, const char *function, cha
 
 static bool make_vectors(struct dea_plant *plant) {
     sunindextype n = plant->state_count;
-    N_Vector *vectors[] = {&plant->y, &plant->yp, &plant->id, &plant->rates, &plant->sample_y, &plant->sample_yp};
+    N_Vector *vectors[] = {&plant->y,        &plant->yp,        &plant->id,     &plant->rates,
+                           &plant->sample_y, &plant->sample_yp, &plant->kept_yp};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
         *vectors[i] = N_VNew_Serial(n, plant->context);
         if (*vectors[i] == NULL)
@@ -70,6 +71,8 @@ static enum dea_status set_up_ida(struct dea_plant *plant, struct dea_error *err
     good = good && IDASetQuadErrCon(ida, SUNTRUE) == IDA_SUCCESS;
     good = good && IDASetMaxErrTestFails(ida, MAX_TEST_FAILURES) == IDA_SUCCESS;
     good = good && IDASetNonlinConvCoef(ida, NEWTON_PART) == IDA_SUCCESS;
+    /* a Jacobian of another step length costs a second iteration and leaves noise that shortens the steps */
+    good = good && IDASetDeltaCjLSetup(ida, 0.0) == IDA_SUCCESS;
     if (plant->options.max_step > 0.0)
         good = good && IDASetMaxStep(ida, plant->options.max_step) == IDA_SUCCESS;
     return good ? DEA_OK : dea_fail(error, DEA_ERR_INTERNAL, "cannot set up the integrator");
@@ -121,8 +124,8 @@ void dea_plant_destroy(struct dea_plant *plant) {
         SUNLinSolFree(plant->solver);
     if (plant->matrix != NULL)
         SUNMatDestroy(plant->matrix);
-    N_Vector vectors[] = {plant->y,        plant->yp,        plant->id,   plant->rates,
-                          plant->sample_y, plant->sample_yp, plant->quad, plant->sample_quad};
+    N_Vector vectors[] = {plant->y,         plant->yp,      plant->id,   plant->rates,      plant->sample_y,
+                          plant->sample_yp, plant->kept_yp, plant->quad, plant->sample_quad};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
         if (vectors[i] != NULL)
             N_VDestroy(vectors[i]);

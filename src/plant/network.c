@@ -335,3 +335,17 @@ enum dea_status plant_network_settle(struct dea_plant *plant, struct dea_error *
     }
     return DEA_OK;
 }
+
+enum dea_status plant_network_try(struct dea_plant *plant, double h, double *bends) {
+    size_t size = (size_t)plant->state_count * sizeof *bends;
+    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    double *kept = N_VGetArrayPointer(plant->kept_yp), t = plant->t;
+    memcpy(kept, yp, size);
+    enum dea_status status = SUNLinSolInitialize(plant->solver) == 0 ? step_implicitly(plant, h) : DEA_RECOVERABLE;
+    for (int i = 0; status == DEA_OK && i < plant->state_count; i++)
+        bends[i] = (yp[i] - kept[i]) / h;
+    memcpy(y, N_VGetArrayPointer(plant->sample_y), size);
+    memcpy(yp, kept, size);
+    plant->t = t;
+    return status;
+}

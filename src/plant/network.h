@@ -25,4 +25,8 @@ enum dea_status plant_network_rest(struct dea_plant *plant, double t, const doub
  * on by them. */
 enum dea_status plant_network_settle(struct dea_plant *plant, struct dea_error *error);
 
+/* Second derivatives of all unknowns over the next h (s) into `bends` (plant->rates), by a trial step that is taken
+ * back. DEA_RECOVERABLE when it cannot be taken. */
+enum dea_status plant_network_try(struct dea_plant *plant, double h, double *bends);
+
 #endif

@@ -108,7 +108,7 @@ struct dea_plant {
     /* integrator */
     SUNContext context;
     void *ida;
-    N_Vector y, yp, id, rates, sample_y, sample_yp, quad, sample_quad;
+    N_Vector y, yp, id, rates, sample_y, sample_yp, kept_yp, quad, sample_quad;
     SUNMatrix matrix;
     SUNLinearSolver solver;
     double *largest;       /* running maximum of |y_i|, for the weights */

@@ -67,25 +67,34 @@ enum dea_signal_group dea_plant_signal_group(const struct dea_plant *plant, int 
                                                                          : DEA_SIGNALS_ENERGY;
 }
 
-/* Unknowns at a time within the last step: IDA's interpolant, or the state itself right after a restart. */
-static enum dea_status interpolate(struct dea_plant *plant, double t, unsigned wanted, const double **y,
-                                   const double **yp, const double **quad, struct dea_error *error) {
-    if (!plant->integrating || t == plant->t || t < plant->restarted_at) {
-        *y = N_VGetArrayPointer(plant->y);
-        *yp = N_VGetArrayPointer(plant->yp);
-        *quad = N_VGetArrayPointer(plant->quad);
-        return DEA_OK;
-    }
-    if (IDAGetDky(plant->ida, t, 0, plant->sample_y) != IDA_SUCCESS ||
-        (wanted & DEA_SIGNALS_ENERGY && IDAGetQuadDky(plant->ida, t, 0, plant->sample_quad) != IDA_SUCCESS))
+/* Unknowns and, if wanted, their rates at a time within the last step: IDA's interpolant, or the state itself right
+ * after a restart. The moment over which a circuit's corner was settled has neither: back along the rates. */
+static enum dea_status find_state(struct dea_plant *plant, double t, bool with_rates, const double **y,
+                                  const double **yp, struct dea_error *error) {
+    double at = fmax(t, plant->restarted_at);
+    bool gap = t < at, held = !plant->integrating || at == plant->t;
+    *y = N_VGetArrayPointer(held && !gap ? plant->y : plant->sample_y);
+    *yp = N_VGetArrayPointer(held ? plant->yp : plant->sample_yp);
+    if (!held && (IDAGetDky(plant->ida, at, 0, plant->sample_y) != IDA_SUCCESS ||
+                  ((with_rates || gap) && IDAGetDky(plant->ida, at, 1, plant->sample_yp) != IDA_SUCCESS)))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s is outside the last step %.17g .. %.17g s", t,
                         plant->t_previous, plant->t);
-    if ((plant->motion == MOTION_VISCOUS || plant->network != ABSENT) &&
-        IDAGetDky(plant->ida, t, 1, plant->sample_yp) != IDA_SUCCESS)
-        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no derivative", t);
-    *y = N_VGetArrayPointer(plant->sample_y);
-    *yp = N_VGetArrayPointer(plant->sample_yp);
+    if (gap)
+        N_VLinearSum(1.0, held ? plant->y : plant->sample_y, t - at, held ? plant->yp : plant->sample_yp,
+                     plant->sample_y);
+    return DEA_OK;
+}
+
+static enum dea_status interpolate(struct dea_plant *plant, double t, unsigned wanted, const double **y,
+                                   const double **yp, const double **quad, struct dea_error *error) {
+    double at = fmax(t, plant->restarted_at);
+    DEA_TRY(find_state(plant, t, plant->motion == MOTION_VISCOUS || plant->network != ABSENT, y, yp, error));
+    *quad = N_VGetArrayPointer(plant->quad);
+    if (!plant->integrating || at == plant->t || !(wanted & DEA_SIGNALS_ENERGY))
+        return DEA_OK;
     *quad = N_VGetArrayPointer(plant->sample_quad);
+    if (IDAGetQuadDky(plant->ida, at, 0, plant->sample_quad) != IDA_SUCCESS)
+        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no integrals of the losses", t);
     return DEA_OK;
 }
 
@@ -190,11 +199,8 @@ enum dea_status dea_plant_signals(struct dea_plant *plant, double t, unsigned wa
 
 enum dea_status dea_plant_network(struct dea_plant *plant, double t, double *unknowns, double *x,
                                   struct dea_error *error) {
-    bool inside = plant->integrating && t != plant->t && t >= plant->restarted_at;
-    if (inside && IDAGetDky(plant->ida, t, 0, plant->sample_y) != IDA_SUCCESS)
-        return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s is outside the last step %.17g .. %.17g s", t,
-                        plant->t_previous, plant->t);
-    const double *y = N_VGetArrayPointer(inside ? plant->sample_y : plant->y);
+    const double *y, *yp;
+    DEA_TRY(find_state(plant, t, false, &y, &yp, error));
     for (int i = 0; i < plant->network_count; i++)
         unknowns[i] = y[plant->network + i] * plant->scale[plant->network + i];
     *x = y[plant->x] * plant->scale[plant->x];

@@ -1,5 +1,6 @@
 /* From the promised accuracy of a run to the tolerance of a step, the weights of the unknowns, and the first step. */
 #include "plant/integrator.h"
+#include "plant/network.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,6 +31,10 @@
  * mass and damping sits where forces as large as the prestretch's cancel, and knows its place less well. */
 #define ROUNDING 4.0
 #define ROUNDING_OF_BALANCE 2000.0
+
+/* The rates after a corner of a circuit are those over options.settle_time: a first step that is not much longer finds
+ * nothing but their rounding. */
+#define FIRST_OVER_SETTLING 10.0
 
 /* The energy books add up errors of every step, those of the motion only some: their share of the tolerance, and the
  * part of the expected energy below which nothing is asked of them. */
@@ -96,6 +101,19 @@ static double weigh_size(const struct dea_plant *plant, const double *u, int i) 
     return plant->follows[i] ? fmax(size, fmax(fabs(u[plant->x]), plant->largest[plant->x])) : size;
 }
 
+/* Error of an unknown that a step may make. What a circuit does at an edge is known no better than the time. */
+static double tolerate(const struct dea_plant *plant, const double *u, int i) {
+    double rounding = plant->rounding;
+    if (plant->network != ABSENT)
+        rounding += ROUNDING * DBL_EPSILON * fabs(plant->t * N_VGetArrayPointer(plant->yp)[i]);
+    return plant->rtol * weigh_size(plant, u, i) + rounding;
+}
+
+/* Currents of voltage sources follow from the rest, without memory. */
+static bool is_not_judged(const struct dea_plant *plant, int i) {
+    return plant->network != ABSENT && i >= plant->network && plant->options.network->imposed[i - plant->network];
+}
+
 int plant_weigh(N_Vector y, N_Vector weights, void *context) {
     struct dea_plant *plant = context;
     const double *u = N_VGetArrayPointer(y);
@@ -103,11 +121,7 @@ int plant_weigh(N_Vector y, N_Vector weights, void *context) {
     /* IDA takes the mean square; times the count it is the sum, and idle unknowns do not dilute the error of others */
     double count = sqrt(plant->state_count);
     for (int i = 0; i < plant->state_count; i++)
-        w[i] = count / (plant->rtol * weigh_size(plant, u, i) + plant->rounding);
-    if (plant->network != ABSENT) /* currents of voltage sources follow from the rest, without memory: not judged */
-        for (int i = 0; i < plant->network_count; i++)
-            if (plant->options.network->imposed[i])
-                w[plant->network + i] = 1e-12;
+        w[i] = is_not_judged(plant, i) ? 1e-12 : count / tolerate(plant, u, i);
     return 0;
 }
 
@@ -156,7 +170,9 @@ bool plant_judge_energy(struct dea_plant *plant) {
 static double norm(const struct dea_plant *plant, const double *u, const double *d) {
     double sum = 0.0;
     for (int i = 0; i < plant->state_count; i++) {
-        double e = d[i] / (plant->rtol * weigh_size(plant, u, i) + plant->rounding);
+        if (is_not_judged(plant, i))
+            continue;
+        double e = d[i] / tolerate(plant, u, i);
         sum += e * e;
     }
     return sqrt(sum);
@@ -191,29 +207,40 @@ static double limit_by_losses(struct dea_plant *plant, double h) {
     return error > allowed ? h * sqrt(0.5 * allowed / error) : h;
 }
 
+/* y'' from the rates a little later, into plant->rates. */
+static enum dea_status find_bends(struct dea_plant *plant, double h) {
+    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    double *later = N_VGetArrayPointer(plant->sample_y), *bends = N_VGetArrayPointer(plant->rates);
+    if (plant->network != ABSENT)
+        return plant_network_try(plant, h, bends);
+    for (int j = 0; j < plant->state_count; j++)
+        later[j] = y[j] + h * yp[j];
+    DEA_TRY(plant_evaluate(plant, plant->t + h, later, plant_velocity(plant, later, yp), false));
+    plant_rates(plant, plant->t + h, later, bends);
+    for (int j = 0; j < plant->state_count; j++)
+        bends[j] = (bends[j] - yp[j]) / h;
+    if (plant->motion == MOTION_ALGEBRAIC)
+        bends[plant->x] = 0.0;
+    return DEA_OK;
+}
+
 /* The first step is one of backward Euler, whose error is h^2 y''/2: y'' from the rates a little later. IDA by itself
  * looks at y' alone and starts far too long where only the rates jumped, far too short where the state is on the move.
  */
 double plant_first_step(struct dea_plant *plant, double length) {
     const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
-    double *later = N_VGetArrayPointer(plant->sample_y), *rates = N_VGetArrayPointer(plant->rates);
     plant->rates_now = yp;
-    double longest = 1e-2 * length, speed = norm(plant, y, yp), h = fmin(1e-3 * length, 1.0 / fmax(speed, DBL_MIN));
+    double longest = 1e-2 * length, speed = norm(plant, y, yp);
+    double shortest = plant->network != ABSENT ? FIRST_OVER_SETTLING * plant->options.settle_time : 0.0;
+    double h = fmax(fmin(1e-3 * length, 1.0 / fmax(speed, DBL_MIN)), fmin(shortest, longest));
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < plant->state_count; j++)
-            later[j] = y[j] + h * yp[j];
-        if (plant_evaluate(plant, plant->t + h, later, plant_velocity(plant, later, yp), false) != DEA_OK) {
+        if (find_bends(plant, h) != DEA_OK) {
             h *= 0.01;
             continue;
         }
-        plant_rates(plant, plant->t + h, later, rates);
-        for (int j = 0; j < plant->state_count; j++)
-            rates[j] = (rates[j] - yp[j]) / h;
-        if (plant->motion == MOTION_ALGEBRAIC)
-            rates[plant->x] = 0.0;
-        double bend = norm(plant, y, rates), next = bend > 0.0 ? sqrt(0.5 / bend) : longest;
+        double bend = norm(plant, y, N_VGetArrayPointer(plant->rates)), next = bend > 0.0 ? sqrt(0.5 / bend) : longest;
         bool settled = next > 0.3 * h && next < 3.0 * h;
-        h = fmin(next, longest);
+        h = fmin(fmax(next, shortest), longest);
         if (settled)
             break;
     }

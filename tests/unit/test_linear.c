@@ -210,6 +210,40 @@ static void test_refused(void **state) {
     assert_int_equal(wrong, 0);
 }
 
+/* At any accuracy, also where an edge of the source changes faster than the time can be resolved; and no row is off,
+ * also not those at the very corners. */
+static void test_tight_accuracy(void **state) {
+    (void)state;
+    struct dea_scene scene;
+    struct coupled_scene listed = {
+        "tight", DEVICE,
+        "t\nV1 b 0 PULSE(0 2000 1m 100u 100u 24.9m 50m)\nV2 s b PULSE(0 300 3m 0.1u 0.1u 1m 9.3m)\nR0 s a 500\n"
+        "C1 s a 5p\nR1 a left 100k\nR2 right 0 1k\nXdea left 0 right 0 pos DEA\n.end\n",
+        40e-3, ""};
+    make_listed_scene(&listed, &scene);
+    struct coupled_rows reference;
+    run_scene(&scene, DEA_ENGINE_AUTO, 1e-11, 400, &reference);
+    assert_int_equal(reference.status, DEA_OK);
+    assert_string_equal(reference.result.stats_run.mode, "linear");
+    int port = find_signal(&reference, "left.port_voltage");
+    for (double accuracy = 1e-7; accuracy > 0.5e-10; accuracy *= 0.1) {
+        struct coupled_rows rows;
+        run_scene(&scene, DEA_ENGINE_AUTO, accuracy, 400, &rows);
+        if (rows.status != DEA_OK)
+            fail_msg("A = %g: %s", accuracy, rows.error.text);
+        assert_int_equal(rows.count, reference.count);
+        for (size_t n = 0; n < rows.count; n++) {
+            double here = rows.values[n * rows.columns + (size_t)port];
+            double off = fabs(here - reference.values[n * reference.columns + (size_t)port]) / 2000.0;
+            if (!(off < 10.0 * accuracy))
+                fail_msg("A = %g: t = %.9g s: the port voltage is off by %.2g", accuracy, rows.times[n], off);
+        }
+        free_rows(&rows);
+    }
+    free_rows(&reference);
+    dea_scene_clear(&scene);
+}
+
 /* A measured waveform of thousands of points, longer than the lines ngspice lists: taken in to its end, or not at all.
  */
 static int judge_long_waveform(const char *name, const char *before, const char *after, const char *mode) {
@@ -343,6 +377,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_understood, enter, leave),
         cmocka_unit_test_setup_teardown(test_refused, enter, leave),
+        cmocka_unit_test_setup_teardown(test_tight_accuracy, enter, leave),
         cmocka_unit_test_setup_teardown(test_long_waveform, enter, leave),
         cmocka_unit_test_setup_teardown(test_random_netlists, enter, leave),
     };
