@@ -182,4 +182,7 @@ void dea_plant_stats(const struct dea_plant *plant, struct dea_run_stats *stats)
 
 double dea_plant_time(const struct dea_plant *plant);
 
+/* Free oscillations over which an error is carried on: those of the run, or those before damping has wiped it out. */
+double dea_plant_remembered_cycles(const struct dea_plant *plant);
+
 #endif

@@ -18,6 +18,9 @@
 /* Of A, to the mismatch of one exchange: with inertia mismatches add up to velocity, without they are forgotten. */
 #define COUPLING_SHARE 0.01
 #define FORGOTTEN_SHARE 0.03
+/* A mismatch lags behind the motion, so what it leaves adds up from one free oscillation to the next: as many of them
+ * as this and the share is halved. */
+#define COUPLING_CYCLES 20.0
 /* A swing below these parts of A, in capacitance and of the largest displacement, is left out: the platform rests. */
 #define REST_SHARE 0.1
 #define REST_SHARE_OF_POSITION 0.25
@@ -116,8 +119,10 @@ static enum dea_status report_failure(const struct cosim *run, struct dea_error 
 
 /* Relative mismatch of capacitance that one exchange of a device may find. */
 static double allow_mismatch(const struct cosim *run, int i) {
-    double share = run->devices[i].device->effective_mass > 0.0 ? COUPLING_SHARE : FORGOTTEN_SHARE;
-    return share * run->scene->accuracy;
+    if (run->devices[i].device->effective_mass <= 0.0)
+        return FORGOTTEN_SHARE * run->scene->accuracy;
+    double cycles = dea_plant_remembered_cycles(run->devices[i].plant);
+    return COUPLING_SHARE * run->scene->accuracy / (1.0 + cycles / COUPLING_CYCLES);
 }
 
 /* All plants catch up with the circuit; the mismatch sets how far the new outlooks reach. */

@@ -59,10 +59,10 @@ static double branch_stiffness(const struct dea_device *device, const struct dea
     return sum;
 }
 
-/* How much an error grows by being carried on: over the free oscillations of the run, or those before damping has wiped
- * it out, and over faster periods of the drive in that time, whose errors add up at random. */
-static double weigh_memory(const struct dea_plant *plant) {
+/* Free oscillations over which an error is carried on, and the part of the run they take. */
+static double count_cycles(const struct dea_plant *plant, double *part) {
     const struct dea_device *device = plant->device;
+    *part = 0.0;
     if (plant->motion != MOTION_INERTIAL || device->stiffness <= 0.0)
         return 0.0;
     double omega = sqrt(device->stiffness / device->effective_mass), resistance = device->damping;
@@ -74,8 +74,19 @@ static double weigh_memory(const struct dea_plant *plant) {
     double rate = 0.5 * resistance / device->effective_mass; /* of the amplitude's decay, 1/s */
     double cycle = 2.0 * M_PI / omega, memory = 1.0 / fmax(rate, DBL_MIN);
     double duration = plant->options.duration > 0.0 ? plant->options.duration : USUAL_CYCLES * cycle;
-    double cycles = fmin(memory, duration) / cycle;
-    double driven = plant->options.periods * fmin(memory / duration, 1.0);
+    *part = fmin(memory / duration, 1.0);
+    return fmin(memory, duration) / cycle;
+}
+
+double dea_plant_remembered_cycles(const struct dea_plant *plant) {
+    double part;
+    return count_cycles(plant, &part);
+}
+
+/* How much an error grows by being carried on: over the free oscillations of the run, or those before damping has wiped
+ * it out, and over faster periods of the drive in that time, whose errors add up at random. */
+static double weigh_memory(const struct dea_plant *plant) {
+    double part, cycles = count_cycles(plant, &part), driven = plant->options.periods * part;
     return PER_CYCLE * cycles + PER_PERIOD * sqrt(fmax(driven - cycles, 0.0));
 }
 
