@@ -349,6 +349,9 @@ enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_t
     double end = coupled->windows[0].points[last].t, foreseen[DEA_ZONES];
     if (coupled->pending)
         DEA_TRY(settle_interval(coupled, index, last, observer, error));
+    for (int p = 0; coupled->watched && p < coupled->port_count; p++)
+        if (breaks_down(coupled, p)) /* when and at what energy is a matter of each charge, not of their integral */
+            fit_tolerance = -1.0;
     coupled_tell_all(coupled, end);
     for (int p = 0; p < coupled->port_count; p++)
         coupled->last_told[p] = told_capacitance(coupled, p);
