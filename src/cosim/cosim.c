@@ -24,7 +24,7 @@
 /* A swing below these parts of A, in capacitance and of the largest displacement, is left out: the platform rests. */
 #define REST_SHARE 0.1
 #define REST_SHARE_OF_POSITION 0.25
-#define FIT_SHARE 0.02          /* of A, to the charge fits */
+#define FIT_SHARE 0.01          /* of A, to the charge fits */
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
