@@ -4,6 +4,10 @@
 #include <math.h>
 #include <string.h>
 
+/* A rest goes on until the swing is so many times the one it began with: seen at different phases it is not quite even.
+ */
+#define WAKING_RATIO 2.0
+
 /* A capacitance that changes less than this within a circuit step needs no look at the film in between. */
 #define STEADY 1e-5
 /* The foreseen course is compared with the balance when this part of the horizon has gone by, or a charge has changed
@@ -376,7 +380,8 @@ enum dea_status coupled_advance(struct coupled *coupled, int index, double fit_t
         book_until(coupled, index, dea_plant_time(coupled->plant), observer);
     DEA_TRY(look_ahead(coupled, coupled->horizon, error));
     /* what an outlook at rest leaves out on purpose is none of its faults */
-    double left_out = coupled->at_rest ? fmin(swing_in_capacitance(coupled), coupled->rest_capacitance) : 0.0;
+    double left_out =
+        coupled->at_rest ? fmin(swing_in_capacitance(coupled), WAKING_RATIO * coupled->rest_capacitance) : 0.0;
     for (int p = 0; p < coupled->port_count; p++) {
         double actual = coupled->outlook.capacitance[coupled->zones[p]];
         exchange->mismatch = fmax(exchange->mismatch, fabs(foreseen[p] - actual) / actual - left_out);
@@ -392,8 +397,9 @@ enum dea_status coupled_renew(struct coupled *coupled, double horizon, struct de
         window_restart(window);
     }
     coupled->largest_position = fmax(coupled->largest_position, fabs(coupled->outlook.x[0]));
-    coupled->at_rest = swing_in_capacitance(coupled) < coupled->rest_capacitance &&
-                       coupled->outlook.swing < coupled->rest_position * coupled->largest_position;
+    double wakes = coupled->at_rest ? WAKING_RATIO : 1.0;
+    coupled->at_rest = swing_in_capacitance(coupled) < wakes * coupled->rest_capacitance &&
+                       coupled->outlook.swing < wakes * coupled->rest_position * coupled->largest_position;
     if (coupled->at_rest)
         dea_outlook_rest(&coupled->outlook);
     double told_position = coupled->position;
