@@ -10,7 +10,11 @@
 #define MAX_NESTING 20
 #define MAX_INSTANCES 64
 #define MAX_DEFINITIONS 5000
-#define MAX_PINS 64 /* of a user subcircuit that holds a device */
+#define MAX_PINS 64      /* of a user subcircuit that holds a device */
+#define MAX_ELEMENTS 1e6 /* subcircuits put in */
+
+/* Targets of lines that call no subcircuit of the user's. */
+enum { UNKNOWN = -1, A_DEVICE = -2 };
 
 /* One .subckt of the user. */
 struct definition {
@@ -18,13 +22,15 @@ struct definition {
     int first, last;   /* lines of .subckt and .ends */
     int outer;         /* enclosing definition, -1 at top level */
     bool holds_device; /* directly or through others */
+    double elements;   /* subcircuits put in; 0: not counted yet */
 };
 
 struct search {
     struct dea_netlist_job *job;
     struct definition *definitions;
     int count;
-    int *owner; /* per line: innermost definition, -1 at top level */
+    int *owner;  /* per line: innermost definition, -1 at top level */
+    int *target; /* per line: definition it calls, or UNKNOWN, A_DEVICE */
 };
 
 /* One level of the hierarchy while flattening. */
@@ -148,22 +154,56 @@ static bool is_call(const char *text) {
     return *text == 'x' || *text == 'X';
 }
 
-/* Marks the subcircuits that hold a device, until nothing changes. */
-static void mark_holders(struct search *search, struct call *call) {
+static void resolve_calls(struct search *search, struct call *call) {
     const struct dea_netlist *netlist = search->job->netlist;
+    for (int i = 1; i < netlist->line_count; i++) {
+        search->target[i] = UNKNOWN;
+        if (!is_call(netlist->lines[i].text))
+            continue;
+        read_call(netlist->lines[i].text, call);
+        bool device = find_device(search->job->options, call->target) >= 0;
+        search->target[i] = device ? A_DEVICE : find_definition(search, call->target, search->owner[i]);
+    }
+}
+
+/* Marks the subcircuits that hold a device, until nothing changes. */
+static void mark_holders(struct search *search) {
     for (bool changed = true; changed;) {
         changed = false;
-        for (int i = 1; i < netlist->line_count; i++) {
-            int owner = search->owner[i];
-            if (!is_call(netlist->lines[i].text) || owner < 0 || search->definitions[owner].holds_device)
+        for (int i = 1; i < search->job->netlist->line_count; i++) {
+            int owner = search->owner[i], target = search->target[i];
+            if (owner < 0 || search->definitions[owner].holds_device)
                 continue;
-            read_call(netlist->lines[i].text, call);
-            int inner = find_definition(search, call->target, owner);
-            if (find_device(search->job->options, call->target) >= 0 ||
-                (inner >= 0 && search->definitions[inner].holds_device))
+            if (target == A_DEVICE || (target >= 0 && search->definitions[target].holds_device))
                 search->definitions[owner].holds_device = changed = true;
         }
     }
+}
+
+/* Elements of a definition (-1: the top level), so that ngspice need not put in what has no end. */
+static enum dea_status count_elements(struct search *search, int definition, int depth, double *elements) {
+    const struct dea_netlist *netlist = search->job->netlist;
+    int first = definition < 0 ? 1 : search->definitions[definition].first + 1;
+    int end = definition < 0 ? netlist->line_count : search->definitions[definition].last;
+    double sum = 1.0;
+    for (int i = first; i < end; i++) {
+        int target = search->target[i];
+        double inner = 1.0;
+        if (search->owner[i] != definition)
+            continue;
+        if (target >= 0 && depth >= MAX_NESTING)
+            return dea_netlist_fail(search->job, i, "subcircuits nested more than %d deep (does %s call itself?)",
+                                    MAX_NESTING, search->definitions[target].name);
+        if (target >= 0 && search->definitions[target].elements == 0.0)
+            DEA_TRY(count_elements(search, target, depth + 1, &search->definitions[target].elements));
+        if (target >= 0)
+            inner = search->definitions[target].elements;
+        sum += inner;
+        if (sum > MAX_ELEMENTS)
+            return dea_netlist_fail(search->job, i, "subcircuits put in, the circuit has more than a million elements");
+    }
+    *elements = sum;
+    return DEA_OK;
 }
 
 /* ---- flattening ---- */
@@ -263,9 +303,6 @@ static enum dea_status flatten_level(const struct search *search, const struct l
 static enum dea_status descend(const struct search *search, const struct level *level, int line,
                                const struct call *call, int definition) {
     struct dea_netlist_job *job = search->job;
-    if (level->depth >= MAX_NESTING)
-        return dea_netlist_fail(job, line, "subcircuits nested more than %d deep (does %s call itself?)", MAX_NESTING,
-                                call->target);
     char(*names)[DEA_TOKEN_MAX] = calloc(2 * (MAX_PINS + 2), DEA_TOKEN_MAX), path[DEA_TOKEN_MAX];
     if (names == NULL)
         return out_of_memory(job);
@@ -327,8 +364,11 @@ static enum dea_status search_devices(struct search *search) {
     struct call call = {.nodes = calloc(MAX_PINS + 1, DEA_TOKEN_MAX)};
     if (call.nodes == NULL)
         return out_of_memory(job);
-    mark_holders(search, &call);
+    resolve_calls(search, &call);
     free(call.nodes);
+    double elements;
+    DEA_TRY(count_elements(search, -1, 0, &elements));
+    mark_holders(search);
     struct level top = {.path = "", .definition = -1};
     DEA_TRY(flatten_level(search, &top));
     for (int device = 0; device < job->options->device_count; device++) {
@@ -348,11 +388,12 @@ static enum dea_status search_devices(struct search *search) {
 }
 
 enum dea_status dea_netlist_find_devices(struct dea_netlist_job *job) {
-    struct search search = {.job = job, .owner = calloc((size_t)job->netlist->line_count, sizeof(int))};
-    if (search.owner == NULL)
-        return out_of_memory(job);
-    enum dea_status status = search_devices(&search);
+    size_t lines = (size_t)job->netlist->line_count;
+    struct search search = {.job = job, .owner = calloc(lines, sizeof(int)), .target = calloc(lines, sizeof(int))};
+    enum dea_status status =
+        search.owner != NULL && search.target != NULL ? search_devices(&search) : out_of_memory(job);
     free(search.owner);
+    free(search.target);
     free(search.definitions);
     return status;
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define MAX_MEASURES 2000
+
 static enum dea_status out_of_memory(struct dea_netlist_job *job) {
     return dea_fail(job->error, DEA_ERR_MEMORY, "out of memory reading the netlist");
 }
@@ -82,6 +84,8 @@ static enum dea_status find_measure(struct dea_netlist_job *job, int index, cons
     if (name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")] != '\0')
         return dea_netlist_fail(job, index, ".measure %s: a name is made of letters, digits and _", name);
     DEA_TRY(check_measured(job, index, name, cursor));
+    if (netlist->measure_count >= MAX_MEASURES)
+        return dea_netlist_fail(job, index, "a netlist may have at most %d .measure lines", MAX_MEASURES);
     for (int i = 0; i < netlist->measure_count; i++)
         if (strcmp(netlist->measures[i], name) == 0)
             return dea_netlist_fail(job, index, "a second .measure named %s", name);

@@ -349,6 +349,15 @@ static void test_sizes_are_limited(void **state) {
     assert_int_equal(dea_netlist_read("long.cir", &options, &netlist, &error), DEA_ERR_INPUT);
     assert_string_equal(error.text, "long.cir:100001: a netlist may have at most 100000 lines");
     dea_netlist_clear(&netlist);
+    file = fopen("measures.cir", "w");
+    assert_non_null(file);
+    fputs("t\nR1 a 0 1\n", file);
+    for (int i = 0; i < 2001; i++)
+        fprintf(file, ".measure tran m%d max v(a)\n", i);
+    fclose(file);
+    assert_int_equal(dea_netlist_read("measures.cir", &options, &netlist, &error), DEA_ERR_INPUT);
+    assert_string_equal(error.text, "measures.cir:2003: a netlist may have at most 2000 .measure lines");
+    dea_netlist_clear(&netlist);
     /* binary */
     write_file("noise.cir",
                "\x7f"
@@ -359,6 +368,26 @@ static void test_sizes_are_limited(void **state) {
     dea_netlist_clear(&netlist);
     assert_int_equal(dea_netlist_read("none.cir", &options, &netlist, &error), DEA_ERR_INPUT);
     assert_string_equal(error.text, "none.cir: No such file or directory");
+    dea_netlist_clear(&netlist);
+}
+
+/* Subcircuits without end, or with too many elements when put in. */
+static void test_exploding_subcircuits(void **state) {
+    (void)state;
+    char text[4000];
+    expect_refused("t\n.subckt a n\nX1 n a\n.ends\nX1 p a\n", NULL,
+                   "main.cir:3: ", "nested more than 20 deep (does a call itself?)");
+    expect_refused("t\n.subckt a n\nX1 n b\n.ends\n.subckt b n\nX1 n a\n.ends\nX1 p a\n", NULL,
+                   "main.cir:", "call itself?)");
+    int used = snprintf(text, sizeof text, "t\n.subckt s0 n\nR1 n 0 1\n.ends\n");
+    for (int i = 1; i <= 19; i++)
+        used += snprintf(text + used, sizeof text - (size_t)used,
+                         ".subckt s%d n\nX1 n s%d\nX2 n s%d\nX3 n s%d\n.ends\n", i, i - 1, i - 1, i - 1);
+    snprintf(text + used, sizeof text - (size_t)used, "X1 p s19\n");
+    expect_refused(text, NULL, "main.cir:", "the circuit has more than a million elements");
+    snprintf(text + used, sizeof text - (size_t)used, "X1 p s8\n");
+    struct dea_netlist netlist;
+    expect_good(text, NULL, &netlist);
     dea_netlist_clear(&netlist);
 }
 
@@ -403,6 +432,7 @@ int main(void) {
         TEST(test_bad_device_calls),
         TEST(test_sizes_are_limited),
         TEST(test_exploding_includes),
+        TEST(test_exploding_subcircuits),
         TEST(test_trusted_skips_and_reads_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
