@@ -124,6 +124,14 @@ expect 0 "$DEASIM" run scene.yaml -o run -q --engine ngspice
 [[ ! -e canary ]] || { echo "the .spiceinit of the working folder was executed"; exit 1; }
 rm .spiceinit
 
+# ---- what crashes ngspice or never ends ----
+bad 2 "bad.cir:6: max() takes 2 arguments, 3 are given" "B1 q 0 V=max(V(left),1,2)" "R1 q 0 1k"
+bad 2 "bad.cir:6: .func f calls itself" ".func f(x) {f(x)+1}" "R1 left 0 {f(1)}"
+bad 2 "bad.cir:7: subcircuits nested more than 20 deep (does a call itself?)" ".subckt a n" "X1 n a" ".ends" "X1 left a"
+bad 2 "bad.cir:6: r1: no node may be named temper" "R1 temper 0 1k"
+bad 2 "bad.cir:6: .measure v: find needs at=.. or when .." ".measure tran v find v(left)"
+bad 2 "bad.cir:6: PWL: the time 1u goes back" "V1 q 0 PWL(0 0 2u 1 1u 0)"
+
 # ---- files ----
 echo '.include self.inc' >self.inc
 bad 2 "self.inc:1: endless .include: self.inc <- self.inc <- bad.cir" ".include self.inc"
