@@ -1,4 +1,5 @@
-/* Many devices in one netlist, many scenes in one process: cost and memory do not grow faster than the number. */
+/* Many devices in one netlist, many scenes in one process, many points in one run: cost and memory do not grow faster
+ * than the number. */
 #include "coupled_capture.h"
 #include "coupled_cases.h"
 #include "deasim/run.h"
@@ -10,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -159,10 +161,47 @@ static void test_scenes_in_a_row(void **state) {
     print_message("%ld kB after %d scenes, %ld kB more after %d\n", settled / 1024, SETTLED, grown / 1024, SCENES);
 }
 
+/* ---- many points ---- */
+
+/* Largest resident set of the children so far, bytes, after a run of this many circuit points. */
+static long run_points(int points) {
+    struct coupled_rows rows;
+    struct dea_scene scene;
+    FILE *file = fopen("points.cir", "w");
+    assert_non_null(file);
+    fprintf(file,
+            "points\nVs s 0 SIN(1000 500 1k)\nRs s a 100k\nD1 a l dd\nRl l 0 20meg\nRr r 0 1k\nXdea l 0 r 0 pos DEA\n"
+            ".model dd D(is=1e-12 n=2 rs=10 bv=10k)\n.tran 1u %du 0 1u\n.end\n",
+            points);
+    assert_int_equal(fclose(file), 0);
+    make_scene("{" TWO_ZONES "}", "points.cir", points * 1e-6, SILENT_EVENTS, &scene);
+    run_scene(&scene, DEA_ENGINE_AUTO, 1e-3, 100, &rows);
+    if (rows.status != DEA_OK)
+        fail_msg("%d points: %s", points, rows.error.text);
+    assert_true(rows.result.stats_run.circuit_points >= points);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+    struct rusage usage;
+    assert_int_equal(getrusage(RUSAGE_CHILDREN, &usage), 0);
+    return usage.ru_maxrss * 1024;
+}
+
+/* ngspice keeping them would take 65 bytes each. */
+static void test_points_are_forgotten(void **state) {
+    (void)state;
+    long few = run_points(10000), grown = run_points(200000) - few;
+#ifndef __SANITIZE_ADDRESS__
+    if (grown > ROOM)
+        fail_msg("%ld kB more for 200000 points than for 10000", grown / 1024);
+#endif
+    print_message("%ld kB for 10000 points, %ld kB more for 200000\n", few / 1024, grown / 1024);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_alike_devices, enter, leave),
         cmocka_unit_test_setup_teardown(test_scenes_in_a_row, enter, leave),
+        cmocka_unit_test_setup_teardown(test_points_are_forgotten, enter, leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
