@@ -109,7 +109,7 @@ static void measure(struct study *study, const char *engine) {
         point->seconds = run.seconds;
         point->steps = run.steps;
         point->sensitive = study->impacts > MANY_IMPACTS;
-        point->unsure = study->doubt > 0.3 * point->asked && study->reference_at > 0.0;
+        point->unsure = study->reference_at > 0.2 * point->asked;
         if (run.good && run.rows.count < 0.99 * (double)study->expected)
             snprintf(point->problem, sizeof point->problem, "ended early");
         else if (run.good)
