@@ -284,10 +284,7 @@ static void note_work(struct dea_plant *plant) {
 static enum dea_status choose_first_step(struct dea_plant *plant, double limit, struct dea_error *error) {
     if (plant->integrating)
         return DEA_OK;
-    /* a circuit: as long as the steps that settled it; by its rates alone IDA would choose one too short for time's
-     * last digit */
-    double step = plant->network != ABSENT ? plant->options.settle_time
-                                           : fmin(plant_first_step(plant, limit - plant->t), limit_step(plant));
+    double step = fmin(plant_first_step(plant, limit - plant->t), limit_step(plant));
     if (IDASetInitStep(plant->ida, step) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: cannot choose the first step", plant->t);
     return DEA_OK;
