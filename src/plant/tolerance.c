@@ -17,6 +17,9 @@
 #define TOLERANCE_EXPONENT 1.17
 #define PER_CYCLE 3.0
 #define PER_PERIOD 2.0
+/* Without losses of its own an oscillation shows in its energy what the integrator takes from its amplitude, twice. */
+#define LOSSLESS 10.0
+#define UNDAMPED 1.6
 /* Cycles remembered where the length of the run is not known. */
 #define USUAL_CYCLES 20.0
 /* Smallest tolerance double precision carries through a BDF step. */
@@ -31,6 +34,9 @@
  * mass and damping sits where forces as large as the prestretch's cancel, and knows its place less well. */
 #define ROUNDING 4.0
 #define ROUNDING_OF_BALANCE 2000.0
+/* The rate of a fast branch is its own last digit over its time constant; Newton's iteration, which stops at a
+ * twentieth of the tolerance, would look for less. Times the rounding above. */
+#define ROUNDING_OF_BRANCHES 20.0
 
 /* The rates after a corner of a circuit are those over options.settle_time: a first step that is not much longer finds
  * nothing but their rounding. */
@@ -75,7 +81,8 @@ static double count_cycles(const struct dea_plant *plant, double *part) {
     double cycle = 2.0 * M_PI / omega, memory = 1.0 / fmax(rate, DBL_MIN);
     double duration = plant->options.duration > 0.0 ? plant->options.duration : USUAL_CYCLES * cycle;
     *part = fmin(memory / duration, 1.0);
-    return fmin(memory, duration) / cycle;
+    double count = fmin(memory, duration) / cycle;
+    return memory > LOSSLESS * duration ? UNDAMPED * count : count;
 }
 
 double dea_plant_remembered_cycles(const struct dea_plant *plant) {
@@ -112,9 +119,14 @@ static double weigh_size(const struct dea_plant *plant, const double *u, int i) 
     return plant->follows[i] ? fmax(size, fmax(fabs(u[plant->x]), plant->largest[plant->x])) : size;
 }
 
+/* Velocity and the branches are what follows the displacement. */
+static bool is_of_branch(const struct dea_plant *plant, int i) {
+    return plant->follows[i] && i != plant->v;
+}
+
 /* Error of an unknown that a step may make. What a circuit does at an edge is known no better than the time. */
 static double tolerate(const struct dea_plant *plant, const double *u, int i) {
-    double rounding = plant->rounding;
+    double rounding = is_of_branch(plant, i) ? ROUNDING_OF_BRANCHES * plant->rounding : plant->rounding;
     if (plant->network != ABSENT)
         rounding += ROUNDING * DBL_EPSILON * fabs(plant->t * N_VGetArrayPointer(plant->yp)[i]);
     return plant->rtol * weigh_size(plant, u, i) + rounding;
