@@ -213,6 +213,32 @@ static void test_small_swing_is_followed(void **state) {
 
 /* A load that pushes while the circuit rests: the circuit hears of it at once. A film behind 1 GOhm answers in voltage.
  */
+/* Before the drive begins a branch of 0.1 us knows its own rate only to its last digit over that time: no steps are to
+ * be made of that. */
+static void test_fast_branch_waits(void **state) {
+    (void)state;
+    static const char device[] =
+        "device: {" ELASTIC ", geometry: {width: 8.06 mm, thickness: 97.2 um, prestretch: [1.41859, 2.12965]}, "
+        "material: {base: " SOURCE_ROOT "/models/materials/sylgard186_elastic.yaml, "
+        "elastic: {law: ogden, terms: [{mu: 0.3 MPa, alpha: 2}, {mu: 10 kPa, alpha: 4}]}, branches: ["
+        "{kind: network, mu: 2064.32, tau: 1.09676e-07}, {kind: foo, mu: 38148.6, tau: 0.00135272}, "
+        "{kind: network, mu: 3242.8, tau: 0.393982}, {kind: foo, mu: 28316.3, tau: 299.782}]}, "
+        "zones: {left: {length: 0.00709602, electrode: {sheet_resistance: 4889.84, feed: long_edge}}, "
+        "right: {length: 0.00828298, electrode: {resistance: 1.29531e+06}}}, "
+        "platform: {mass: 2.39006e-05 kg, damping: 0 N s/m}}";
+    static const char netlist[] = "t\nVs s 0 PULSE(0 1500 10.5m 50u 50u 60m 1)\nRs s left 1meg\nRb right 0 1meg\n"
+                                  "Xdea left 0 right 0 pos DEA\n.end\n";
+    struct dea_scene scene;
+    struct coupled_rows rows;
+    make("waits", device, netlist, 40e-3, &scene);
+    run_scene(&scene, DEA_ENGINE_NGSPICE, 1e-3, 400, &rows);
+    assert_good(&rows);
+    if (rows.result.stats_run.plant_steps > 10000)
+        fail_msg("%ld steps", rows.result.stats_run.plant_steps);
+    free_rows(&rows);
+    dea_scene_clear(&scene);
+}
+
 static void test_load_ends_the_rest(void **state) {
     (void)state;
     static const char netlist[] = "t\nVs s 0 2500\nRs s left 1G\nCl left 0 100p\nRb right 0 1k\n"
@@ -247,6 +273,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_length_of_a_hold, enter, leave),
         cmocka_unit_test_setup_teardown(test_hours_of_leakage, enter, leave),
         cmocka_unit_test_setup_teardown(test_small_swing_is_followed, enter, leave),
+        cmocka_unit_test_setup_teardown(test_fast_branch_waits, enter, leave),
         cmocka_unit_test_setup_teardown(test_load_ends_the_rest, enter, leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
