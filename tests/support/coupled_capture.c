@@ -27,6 +27,18 @@ void leave_folder(const struct test_folder *folder) {
         abort();
 }
 
+int set_up_folder(void **state) {
+    static struct test_folder folder;
+    enter_folder(&folder);
+    *state = &folder;
+    return 0;
+}
+
+int tear_down_folder(void **state) {
+    leave_folder(*state);
+    return 0;
+}
+
 void make_scene(const char *device, const char *netlist, double stop, const char *extra, struct dea_scene *scene) {
     FILE *file = fopen("scene.yaml", "w");
     if (file == NULL)

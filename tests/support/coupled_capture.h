@@ -12,6 +12,9 @@ struct test_folder {
 };
 void enter_folder(struct test_folder *folder);
 void leave_folder(const struct test_folder *folder);
+/* The same around a test of cmocka. */
+int set_up_folder(void **state);
+int tear_down_folder(void **state);
 
 /* Scene from a device's YAML (a mapping, one line) and a netlist in the present folder. Aborts with the message when it
  * is refused. `extra` are further lines of the scene, "" for none. */

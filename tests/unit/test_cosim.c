@@ -15,18 +15,6 @@
 
 enum { SAMPLES = 1500 };
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 static void check_run(const struct coupled_rows *rows, double a) {
     if (rows->status != DEA_OK)
         fail_msg("%s", rows->error.text);
@@ -143,14 +131,14 @@ static void test_order_of_the_exchange(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_rc_step, enter, leave),
-        cmocka_unit_test_setup_teardown(test_two_side_sine, enter, leave),
-        cmocka_unit_test_setup_teardown(test_ladder, enter, leave),
-        cmocka_unit_test_setup_teardown(test_rlc, enter, leave),
-        cmocka_unit_test_setup_teardown(test_hold_on_leakage, enter, leave),
-        cmocka_unit_test_setup_teardown(test_without_mass, enter, leave),
-        cmocka_unit_test_setup_teardown(test_other_drives, enter, leave),
-        cmocka_unit_test_setup_teardown(test_order_of_the_exchange, enter, leave),
+        cmocka_unit_test_setup_teardown(test_rc_step, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_two_side_sine, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_ladder, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_rlc, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_hold_on_leakage, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_without_mass, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_other_drives, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_order_of_the_exchange, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

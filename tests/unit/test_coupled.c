@@ -13,18 +13,6 @@
 
 #include <cmocka.h>
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 /* ---- every kind of circuit ---- */
 
 static void judge_scene(const struct coupled_scene *listed) {
@@ -258,15 +246,15 @@ static void test_breakdown_at_the_start(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_every_kind, enter, leave),
-        cmocka_unit_test_setup_teardown(test_floating_electrode_is_named, enter, leave),
-        cmocka_unit_test_setup_teardown(test_right_zone_first, enter, leave),
-        cmocka_unit_test_setup_teardown(test_two_devices, enter, leave),
-        cmocka_unit_test_setup_teardown(test_rest_under_bias, enter, leave),
-        cmocka_unit_test_setup_teardown(test_start_from_initial_conditions, enter, leave),
-        cmocka_unit_test_setup_teardown(test_breakdown_stops, enter, leave),
-        cmocka_unit_test_setup_teardown(test_breakdown_shorts, enter, leave),
-        cmocka_unit_test_setup_teardown(test_breakdown_at_the_start, enter, leave),
+        cmocka_unit_test_setup_teardown(test_every_kind, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_floating_electrode_is_named, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_right_zone_first, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_two_devices, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_rest_under_bias, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_start_from_initial_conditions, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_breakdown_stops, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_breakdown_shorts, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_breakdown_at_the_start, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

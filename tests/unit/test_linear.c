@@ -18,18 +18,6 @@
 #define AGREEMENT (2.0 * ACCURACY)
 #define DEVICE "device: {" TWO_ZONES "}"
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 /* One netlist: V1 steps to 2 kV over 20 us behind 1 MOhm, unless `drive` says otherwise; `elements` come on top. */
 struct linear_case {
     const char *name, *drive, *elements;
@@ -375,11 +363,11 @@ static void test_random_netlists(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_understood, enter, leave),
-        cmocka_unit_test_setup_teardown(test_refused, enter, leave),
-        cmocka_unit_test_setup_teardown(test_tight_accuracy, enter, leave),
-        cmocka_unit_test_setup_teardown(test_long_waveform, enter, leave),
-        cmocka_unit_test_setup_teardown(test_random_netlists, enter, leave),
+        cmocka_unit_test_setup_teardown(test_understood, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_refused, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_tight_accuracy, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_long_waveform, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_random_netlists, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

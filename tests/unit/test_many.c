@@ -16,18 +16,6 @@
 
 #include <cmocka.h>
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 /* ---- many devices ---- */
 
 #define ACCURACY 1e-3
@@ -199,9 +187,9 @@ static void test_points_are_forgotten(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_alike_devices, enter, leave),
-        cmocka_unit_test_setup_teardown(test_scenes_in_a_row, enter, leave),
-        cmocka_unit_test_setup_teardown(test_points_are_forgotten, enter, leave),
+        cmocka_unit_test_setup_teardown(test_alike_devices, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_scenes_in_a_row, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_points_are_forgotten, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

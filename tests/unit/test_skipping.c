@@ -18,18 +18,6 @@
 
 #define DEVICE "device: {" TWO_ZONES "}"
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 static void make(const char *name, const char *device, const char *netlist, double stop, struct dea_scene *scene) {
     struct coupled_scene listed = {name, device, netlist, stop, ""};
     make_listed_scene(&listed, scene);
@@ -265,16 +253,16 @@ static void test_load_ends_the_rest(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_linear_circuits, enter, leave),
-        cmocka_unit_test_setup_teardown(test_many_circuit_points, enter, leave),
-        cmocka_unit_test_setup_teardown(test_circuits_at_rest, enter, leave),
-        cmocka_unit_test_setup_teardown(test_unwritten_signals, enter, leave),
-        cmocka_unit_test_setup_teardown(test_needless_states, enter, leave),
-        cmocka_unit_test_setup_teardown(test_length_of_a_hold, enter, leave),
-        cmocka_unit_test_setup_teardown(test_hours_of_leakage, enter, leave),
-        cmocka_unit_test_setup_teardown(test_small_swing_is_followed, enter, leave),
-        cmocka_unit_test_setup_teardown(test_fast_branch_waits, enter, leave),
-        cmocka_unit_test_setup_teardown(test_load_ends_the_rest, enter, leave),
+        cmocka_unit_test_setup_teardown(test_linear_circuits, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_many_circuit_points, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_circuits_at_rest, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_unwritten_signals, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_needless_states, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_length_of_a_hold, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_hours_of_leakage, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_small_swing_is_followed, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_fast_branch_waits, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_load_ends_the_rest, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,18 +24,6 @@
 static const char endless[] = "t\nVs s 0 SIN(1000 1000 10k)\nRs s left 100k\nRr right 0 1k\n"
                               "Xdea left 0 right 0 pos DEA\n.end\n";
 
-static int enter(void **state) {
-    static struct test_folder folder;
-    enter_folder(&folder);
-    *state = &folder;
-    return 0;
-}
-
-static int leave(void **state) {
-    leave_folder(*state);
-    return 0;
-}
-
 /* The only child of this process; 0: none, not even a zombie. */
 static pid_t find_child(void) {
     DIR *proc = opendir("/proc");
@@ -213,11 +201,11 @@ static void test_refused_rows(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_interrupt, enter, leave),
-        cmocka_unit_test_setup_teardown(test_crash, enter, leave),
-        cmocka_unit_test_setup_teardown(test_time_limit, enter, leave),
-        cmocka_unit_test_setup_teardown(test_hang, enter, leave),
-        cmocka_unit_test_setup_teardown(test_refused_rows, enter, leave),
+        cmocka_unit_test_setup_teardown(test_interrupt, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_crash, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_time_limit, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_hang, set_up_folder, tear_down_folder),
+        cmocka_unit_test_setup_teardown(test_refused_rows, set_up_folder, tear_down_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
