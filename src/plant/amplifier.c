@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-#define OVERSTEP 1e-9 /* beyond a limit by this part and not located: changed at the end of the step */
+#define NEAR_LIMIT 1.0 /* steps' tolerances */
+#define OVERSTEP 1e-9  /* beyond a limit by this part and not located: changed at the end of the step */
 
 /* What a limit bounds, in units of the limit; with `yp` as the integrator knows it, which says more than a difference
  * of two voltages all but equal. */
@@ -103,11 +104,14 @@ enum dea_status plant_note_limits(struct dea_plant *plant, const int *hits) {
 }
 
 /* The unknown that a limit begins to bound, put to where the demand is the limit: within the tolerance it is there
- * already, but a demand that is a small difference may be anywhere in that. */
+ * already, but a demand that is a small difference may be anywhere in that. Farther off it stays where it is: the step
+ * went past the limit. */
 static enum dea_status put_to_limit(struct dea_plant *plant, const struct held_limit *limit, double side) {
     enum { ITERATIONS = 4 };
     double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
     const struct zone_layout *zone = &plant->zones[limit->zone];
+    int moved = limit->of_slew ? zone->amplifier : zone->charge;
+    double before = y[moved], near = NEAR_LIMIT * plant->rtol * fmax(fabs(before), plant->largest[moved]);
     const struct zone_point *point = &plant->points[limit->zone];
     for (int i = 0; i < ITERATIONS; i++) {
         DEA_TRY(plant_evaluate(plant, plant->t, y, plant_velocity(plant, y, yp), true));
@@ -119,6 +123,8 @@ static enum dea_status put_to_limit(struct dea_plant *plant, const struct held_l
             y[zone->charge] += volts / point->film.dvoltage_de / plant->scale[zone->charge];
         }
     }
+    if (fabs(y[moved] - before) > near)
+        y[moved] = before;
     return DEA_OK;
 }
 
