@@ -1,5 +1,6 @@
 /* Runs of the program, and of the independent one, each in a process of its own with an alarm. */
 #include "accuracy.h"
+#include "text.h"
 
 #include "deasim/scene.h"
 #include "independent.h"
@@ -40,20 +41,6 @@ static void become(char *const *arguments, const char *out, const char *words, d
     alarm((unsigned)ceil(limit));
     execv(arguments[0], arguments);
     _exit(127);
-}
-
-static char *read_text(const char *path) {
-    FILE *file = fopen(path, "rb");
-    char *text = NULL;
-    size_t room = 0;
-    if (file == NULL)
-        return NULL;
-    if (getdelim(&text, &room, '\0', file) < 0) {
-        free(text);
-        text = NULL;
-    }
-    fclose(file);
-    return text;
 }
 
 static double number(const cJSON *root, const char *group, const char *name) {

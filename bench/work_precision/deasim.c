@@ -1,4 +1,5 @@
 /* deasim's own curves, and the reference. */
+#include "text.h"
 #include "work_precision.h"
 
 #include "deasim/run.h"
@@ -46,20 +47,6 @@ bool deasim_prepare(struct bench *bench) {
 static double number_of(const cJSON *object, const char *key) {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
     return cJSON_IsNumber(item) ? item->valuedouble : NAN;
-}
-
-static char *read_text(const char *path) {
-    FILE *file = fopen(path, "rb");
-    char *text = NULL;
-    size_t room = 0;
-    if (file == NULL)
-        return NULL;
-    if (getdelim(&text, &room, '\0', file) < 0) {
-        free(text);
-        text = NULL;
-    }
-    fclose(file);
-    return text;
 }
 
 void deasim_read_output(struct point *point) {

@@ -1,6 +1,8 @@
 /* Rows come back through the raw file: full doubles, written by the recorder as for any user. */
 #include "capture.h"
 
+#include "relative_difference.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,15 +69,9 @@ const struct dea_signal_stats *capture_stats(const struct capture *capture, cons
     return index < 0 ? NULL : &capture->result.stats[index];
 }
 
-/* Relative L2 difference of a column against values `stride` apart; 0 where the reference is 0 all along. */
+/* Difference of a column against values `stride` apart. */
 static double column_error(const struct capture *capture, int column, const double *reference, size_t stride) {
-    double difference = 0.0, size = 0.0;
-    for (size_t i = 0; i < capture->rows; i++) {
-        double r = reference[i * stride], d = capture->values[i * capture->columns + (size_t)column] - r;
-        difference += d * d;
-        size += r * r;
-    }
-    return size > 0.0 ? sqrt(difference / size) : sqrt(difference);
+    return relative_difference(capture->values + column, capture->columns, reference, stride, capture->rows);
 }
 
 static const char *const port_names[DEA_ZONES] = {"left.port_voltage", "right.port_voltage"};

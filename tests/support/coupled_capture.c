@@ -5,6 +5,7 @@
 #include "cosim/native.h"
 #include "cosim/supervise.h"
 #include "coupled_cases.h"
+#include "relative_difference.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -162,13 +163,7 @@ int find_signal(const struct coupled_rows *rows, const char *name) {
 /* ---- differences ---- */
 
 static double difference(const struct coupled_rows *rows, int column, const double *reference, size_t stride) {
-    double sum = 0.0, size = 0.0;
-    for (size_t i = 0; i < rows->count; i++) {
-        double r = reference[i * stride], d = rows->values[i * rows->columns + (size_t)column] - r;
-        sum += d * d;
-        size += r * r;
-    }
-    return size > 0.0 ? sqrt(sum / size) : sqrt(sum);
+    return relative_difference(rows->values + column, rows->columns, reference, stride, rows->count);
 }
 
 static const char *const port_names[DEA_ZONES] = {"left.port_voltage", "right.port_voltage"};
