@@ -171,13 +171,15 @@ static double read_number(const char *summary, const char *key) {
 
 static void measure(const struct family *family, int count, char **arguments, FILE *table) {
     char *program = arguments[1], *capacitor = arguments[2], *folder = arguments[4];
-    char scene[PATH_ROOM], summary[PATH_ROOM], deck[PATH_ROOM], mode[32];
+    char scene[PATH_ROOM], summary[PATH_ROOM], deck[PATH_ROOM], raw[PATH_ROOM], mode[32];
     write_scene(family, count, arguments[3], folder, scene);
     snprintf(summary, sizeof summary, "%s/summary.json", folder);
     snprintf(deck, sizeof deck, "%s/fixed.cir", folder);
+    snprintf(raw, sizeof raw, "%s/fixed.raw", folder); /* not /dev/null: ngspice deletes a raw file in the end */
     struct cost coupled = run((char *[]){program, "run", scene, "--quiet", "--json", NULL}, summary);
     run_once((char *[]){capacitor, scene, "1e-4", deck, NULL}, "/dev/null");
-    struct cost alone = run((char *[]){"ngspice", "-b", "-r", "/dev/null", deck, NULL}, "/dev/null");
+    struct cost alone = run((char *[]){"ngspice", "-b", "-r", raw, deck, NULL}, "/dev/null");
+    remove(raw);
     char *text = read_text(summary);
     snprintf(mode, sizeof mode, "\"mode\":\t\"%s\"", family->mode);
     if (strstr(text, mode) == NULL) {
