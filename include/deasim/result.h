@@ -60,8 +60,7 @@ struct dea_result {
     struct dea_event *events;          /* owned, in time order */
     size_t event_count, event_dropped; /* dropped: beyond the list's limit, only counted */
     struct dea_energy energy;
-    double coupling_error; /* relative difference of port work on both sides; 0 without a circuit */
-    long redone;
+    double coupling_error;                /* relative difference of port work on both sides; 0 without a circuit */
     struct dea_netlist_measure *measures; /* owned */
     size_t measure_count;
     int relaxed;          /* how often the circuit's tolerances had to be loosened to get through; 0: never */

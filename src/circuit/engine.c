@@ -59,24 +59,6 @@ static void check_progress(struct dea_engine *engine, double time, double delta)
     }
 }
 
-/* After a candidate ngspice would accept: may the device ask for a redo? */
-static bool ask_redo(struct dea_engine *engine, double time, double *next, double delta) {
-    const struct dea_engine_callbacks *callbacks = engine->callbacks;
-    /* the first step loses half its charge when redone; the last one would miss the end; events are not rolled back */
-    if (callbacks->candidate == NULL || !engine->redo_possible || engine->stats.points < 2 ||
-        engine->verdict != DEA_OK || time >= engine->options->stop - 2.0 * engine->floor || 0.5 * delta < engine->floor)
-        return false;
-    double shorter = 0.5 * delta;
-    if (!callbacks->candidate(callbacks->context, time, delta, &shorter))
-        return false;
-    if (!(shorter >= engine->floor))
-        shorter = engine->floor;
-    if (shorter > 0.9 * delta)
-        shorter = 0.9 * delta;
-    *next = shorter;
-    return true;
-}
-
 /* ---- ngspice's callbacks ---- */
 
 static int hear_line(char *line, int id, void *context) {
@@ -116,11 +98,11 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
     }
     if (engine == NULL || !engine->running)
         return 0;
-    const struct dea_engine_callbacks *callbacks = engine->callbacks;
-    double wanted = *delta;
     if (location == 0) { /* before the step from time to time + *delta */
         if (engine->verdict != DEA_OK)
             return 0;
+        const struct dea_engine_callbacks *callbacks = engine->callbacks;
+        double wanted = *delta;
         if (callbacks->before_step != NULL)
             callbacks->before_step(callbacks->context, time, &wanted);
         if (engine->switches != NULL)
@@ -133,19 +115,7 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
         engine->stats.rejected++;
         record_step(engine, time + old_delta, old_delta, DEA_STEP_REJECTED);
         check_progress(engine, time, old_delta);
-        if (callbacks->rejected != NULL) {
-            callbacks->rejected(callbacks->context, time, &wanted);
-            if (wanted < *delta)
-                *delta = fmax(wanted, fmin(*delta, engine->floor));
-        }
         return 0;
-    }
-    if (ask_redo(engine, time, &wanted, old_delta)) {
-        engine->stats.redone++;
-        record_step(engine, time, old_delta, DEA_STEP_REDONE);
-        check_progress(engine, time - old_delta, old_delta);
-        *delta = wanted;
-        return 1;
     }
     record_step(engine, time, old_delta, DEA_STEP_ACCEPTED);
     check_progress(engine, time, old_delta);
@@ -311,7 +281,6 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
     engine->devices = devices;
     engine->options = options;
     engine->callbacks = callbacks;
-    engine->redo_possible = !netlist->has_event_parts;
     DEA_TRY(dea_engine_prepare_ports(engine, error));
     engine->measures = calloc((size_t)netlist->measure_count + 1, sizeof *engine->measures);
     if (engine->measures == NULL)

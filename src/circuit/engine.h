@@ -31,13 +31,6 @@ struct dea_engine_callbacks {
     double (*port_value)(void *context, int instance, int port, enum dea_external which, double t);
     /* Before the step from t to t + *delta; may shorten *delta, a longer one is ignored. Optional. */
     void (*before_step)(void *context, double t, double *delta);
-    /* After a candidate at t (reached with `delta`) that ngspice would accept. True: redo it with *next_delta < delta.
-     * Not asked where a redo is unsafe: first point, event-driven parts present, step down to the floor, step that ends
-     * the run. Optional. */
-    bool (*candidate)(void *context, double t, double delta, double *next_delta);
-    /* After a candidate ngspice itself rejects; it goes back to t and tries *next_delta, which may be shortened.
-     * Optional. */
-    void (*rejected)(void *context, double t, double *next_delta);
     /* An accepted point; first t = 0 (not with uic). DEA_OK goes on, DEA_STOPPED ends the run here in order, a negative
      * status ends it as failed (*error filled by the callback). */
     enum dea_status (*accepted)(void *context, const struct dea_circuit_point *point, struct dea_error *error);
@@ -54,7 +47,6 @@ struct dea_engine_measure {
 struct dea_engine_stats {
     long points;     /* accepted */
     long rejected;   /* by ngspice: truncation error or no convergence */
-    long redone;     /* by the candidate callback */
     long iterations; /* of Newton's method: how often ngspice asked for one and the same external number */
     double shortest; /* accepted step, s */
     double reached;  /* last accepted time, s */

@@ -13,7 +13,7 @@
 #define DEA_STEPS_KEPT 10    /* for the diagnosis of a collapse */
 #define DEA_COMPLAINTS_MAX 6 /* errors kept for the message */
 
-enum dea_step_verdict { DEA_STEP_ACCEPTED, DEA_STEP_REJECTED, DEA_STEP_REDONE };
+enum dea_step_verdict { DEA_STEP_ACCEPTED, DEA_STEP_REJECTED };
 
 struct dea_step_record {
     double time, delta; /* s; time at the end of the step */
@@ -77,7 +77,6 @@ struct dea_engine {
     bool running, stop_sent;
     enum dea_status verdict;       /* of the callbacks: DEA_OK while going on */
     double floor;                  /* shortest step we ask for, s */
-    bool redo_possible;            /* no event-driven parts */
     struct dea_switches *switches; /* owned; NULL: none */
     struct dea_step_record steps[DEA_STEPS_KEPT];
     long step_count;     /* candidates so far */

@@ -69,7 +69,7 @@ struct dea_netlist {
     int measure_count;
     struct dea_netlist_initial *initials; /* owned */
     int initial_count;
-    bool has_event_parts; /* A devices: redoing a step is unsafe */
+    bool has_event_parts; /* A devices: code models, not linear elements */
     char **warnings;      /* owned; "file:line: what was left out" */
     int warning_count;
 };

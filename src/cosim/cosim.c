@@ -374,7 +374,6 @@ static void settle_books(struct cosim *run) {
     run->result->stats_run.circuit_points = stats.points;
     run->result->stats_run.circuit_rejected = stats.rejected;
     run->result->stats_run.circuit_iterations = stats.iterations;
-    run->result->redone = stats.redone;
 }
 
 static void clear_run(struct cosim *run) {

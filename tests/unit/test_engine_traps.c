@@ -1,8 +1,9 @@
 /* Traps of ngspice's synchronisation interface. Each test names the guard it watches and fails without it. The others
- * are in test_engine.c: breakpoint and left limit, the step that ends the run (test_redone_steps_lose_nothing), the
- * last resort for the operating point that may never end (test_failures_are_explained). */
+ * are in test_engine.c: breakpoint and left limit, the last resort for the operating point that may never end
+ * (test_failures_are_explained). */
 #include "base/isolate.h"
 #include "circuit/engine.h"
+#include "loaded_text.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -21,16 +22,10 @@
 
 /* A run, what it asks for and what it sees. */
 struct watch {
-    enum { REDO_NEVER, REDO_ONCE, REDO_ALWAYS, REDO_LONGER } redo; /* once: every third step, the first one too */
-    double (*request)(long step, double delta);                    /* of the step before it, s; NULL: none */
-    int stop_after;                                                /* points; 0: none */
-    long asked, steps, points;
-    double redone_from; /* start of the step last redone, s */
-    double shortest_asked, last_asked, largest_step, last_time;
-    double worst_charge; /* C, distance from what flowed in */
-    double current;      /* A, which flows in from t = 0 */
-    long points_before;  /* points accepted when first asked */
-    bool asked_again_longer;
+    double (*request)(long step, double delta); /* of the step before it, s; NULL: none */
+    int stop_after;                             /* points; 0: none */
+    long steps, points;
+    double largest_step, last_time; /* s */
 };
 
 static double give(void *context, int instance, int port, enum dea_external which, double t) {
@@ -49,23 +44,6 @@ static void limit(void *context, double t, double *delta) {
         *delta = watch->request(watch->steps, *delta);
 }
 
-static bool judge(void *context, double t, double delta, double *next_delta) {
-    struct watch *watch = context;
-    bool again = fabs(watch->redone_from - (t - delta)) < 1e-6 * delta;
-    if (watch->asked++ == 0)
-        watch->points_before = watch->points;
-    watch->shortest_asked = fmin(watch->shortest_asked, delta);
-    watch->asked_again_longer = watch->asked_again_longer || (again && delta > 0.95 * watch->last_asked);
-    watch->last_asked = delta;
-    watch->redone_from = t - delta;
-    if (watch->redo == REDO_ALWAYS)
-        *next_delta = 0.0;
-    if (watch->redo == REDO_LONGER)
-        *next_delta = 2.0 * delta;
-    return watch->redo == REDO_ALWAYS || (watch->redo == REDO_LONGER && watch->asked < 100) ||
-           (watch->redo == REDO_ONCE && (watch->asked == 1 || watch->points % 3 == 0) && !again);
-}
-
 static enum dea_status take(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct watch *watch = context;
     (void)error;
@@ -73,7 +51,6 @@ static enum dea_status take(void *context, const struct dea_circuit_point *point
         watch->largest_step = fmax(watch->largest_step, point->time - watch->last_time);
     watch->last_time = point->time;
     watch->points++;
-    watch->worst_charge = fmax(watch->worst_charge, fabs(point->ports[0].charge - watch->current * point->time));
     return watch->points == watch->stop_after ? DEA_STOPPED : DEA_OK;
 }
 
@@ -83,35 +60,15 @@ static struct dea_deck_options usual_options(void) {
 
 static enum dea_status run_on(struct dea_engine *engine, const char *text, const struct dea_deck_options *options,
                               struct watch *watch, struct dea_engine_stats *stats, struct dea_error *error) {
-    char path[] = "trap-test-XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    assert_int_equal(write(file, text, strlen(text)), strlen(text));
-    close(file);
-    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
-    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
-    const struct dea_circuit_device device = {
-        .name = "DEA", .port_count = 1, .ports = {{.rest_capacitance = C_REST, .conductivity_field = INFINITY}}};
-    const struct dea_engine_callbacks callbacks = {.context = watch,
-                                                   .port_value = give,
-                                                   .before_step = limit,
-                                                   .candidate = watch->redo == REDO_NEVER ? NULL : judge,
-                                                   .accepted = take};
-    struct dea_netlist netlist;
-    struct dea_deck deck = {0};
-    watch->shortest_asked = INFINITY;
-    watch->redone_from = -1.0;
-    enum dea_status status = dea_netlist_read(path, &netlist_options, &netlist, error);
-    unlink(path);
-    if (status == DEA_OK)
-        status = dea_deck_build(&netlist, &device, options, &deck, error);
-    if (status == DEA_OK)
-        status = dea_engine_load(engine, &netlist, &deck, &device, options, &callbacks, error);
+    const struct dea_engine_callbacks callbacks = {
+        .context = watch, .port_value = give, .before_step = limit, .accepted = take};
+    const struct dea_port port = {.rest_capacitance = C_REST, .conductivity_field = INFINITY};
+    struct loaded_text loaded;
+    enum dea_status status = load_text(engine, text, &port, options, &callbacks, &loaded, error);
     if (status == DEA_OK)
         status = dea_engine_run(engine, error);
     dea_engine_stats(engine, stats);
-    dea_deck_clear(&deck);
-    dea_netlist_clear(&netlist);
+    clear_text(&loaded);
     return status;
 }
 
@@ -125,73 +82,6 @@ static enum dea_status run(const char *text, const struct dea_deck_options *opti
 }
 
 #define DIVIDER "t\nV1 in 0 PULSE(0 100 0 10u 10u 1 2)\nR1 in p 1meg\nXdea p 0 pos DEA\n"
-
-/* ---- redoing steps ---- */
-
-/* Guard: `stats.points < 2` in ask_redo. A first step that is redone may lose half its charge: ngspice's capacitors
- * have no current yet that could be integrated (the port model of deck.h does not lose any, other elements may).
- * Nothing is asked about it, with an operating point and without; and whatever else is redone, a constant current is
- * integrated exactly. */
-static void test_first_steps_are_never_redone(void **state) {
-    (void)state;
-    for (int uic = 0; uic < 2; uic++) {
-        struct watch watch = {.redo = REDO_ONCE, .current = 1e-6};
-        struct dea_engine_stats stats;
-        struct dea_error error;
-        struct dea_deck_options options = usual_options();
-        options.uic = uic;
-        const char *text = uic ? "t\nI1 0 p 1u\nR1 p 0 1e15\nXdea p 0 pos DEA\n"
-                               : "t\nI1 0 p PULSE(0 1u 0 1f 1f 1 2)\nR1 p 0 1e15\nXdea p 0 pos DEA\n";
-        if (run(text, &options, &watch, &stats, &error) != DEA_OK)
-            fail_msg("%s", error.text);
-        assert_true(stats.redone > 20);
-        assert_true(watch.points_before >= 2);
-        if (!(watch.worst_charge < 1e-6 * 1e-6 * options.stop))
-            fail_msg("uic %d: the charge is %g C off", uic, watch.worst_charge);
-    }
-}
-
-/* Guards: `0.5 * delta < floor` and `shorter >= floor` in ask_redo. ngspice does not check the length of a step we ask
- * for: whoever is never content would keep it for ever. The run ends with the reason. */
-static void test_redo_has_a_floor(void **state) {
-    (void)state;
-    struct watch watch = {.redo = REDO_ALWAYS};
-    struct dea_engine_stats stats;
-    struct dea_error error;
-    const struct dea_deck_options options = usual_options();
-    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_ERR_SOLVER);
-    assert_non_null(strstr(error.text, "the run is not advancing past t = "));
-    assert_non_null(strstr(error.text, "redone for the device"));
-    assert_true(watch.shortest_asked >= 2.0 * FLOOR * (1.0 - 1e-9));
-    assert_true(stats.shortest >= FLOOR * (1.0 - 1e-6));
-}
-
-/* Guard: `shorter > 0.9 * delta` in ask_redo. A redo that is not shorter would be the same step again. */
-static void test_redone_step_is_shorter(void **state) {
-    (void)state;
-    struct watch watch = {.redo = REDO_LONGER};
-    struct dea_engine_stats stats;
-    struct dea_error error;
-    const struct dea_deck_options options = usual_options();
-    assert_int_equal(run(DIVIDER, &options, &watch, &stats, &error), DEA_OK);
-    assert_int_equal(stats.redone, 99);
-    assert_false(watch.asked_again_longer);
-}
-
-/* Guard: `redo_possible`. What event-driven parts did in a step is not undone with it. */
-static void test_events_forbid_redo(void **state) {
-    (void)state;
-    struct watch with = {.redo = REDO_ONCE}, without = {.redo = REDO_ONCE};
-    struct dea_engine_stats stats;
-    struct dea_error error;
-    const struct dea_deck_options options = usual_options();
-    assert_int_equal(
-        run(DIVIDER "A1 p b gain3\n.model gain3 gain(gain=3)\nR2 b 0 1k\n", &options, &with, &stats, &error), DEA_OK);
-    assert_int_equal(with.asked, 0);
-    assert_int_equal(stats.redone, 0);
-    assert_int_equal(run(DIVIDER "E1 b 0 p 0 3\nR2 b 0 1k\n", &options, &without, &stats, &error), DEA_OK);
-    assert_true(without.asked > 20);
-}
 
 /* ---- lengths of steps ---- */
 
@@ -222,7 +112,7 @@ static double ask_twice(long step, double delta) {
 /* Guard: `wanted < *delta`. A longer step would jump the source's corners at 1 and 1.01 ms. */
 static void test_longer_steps_are_not_taken(void **state) {
     (void)state;
-    struct watch watch = {.request = ask_twice, .current = 0.0};
+    struct watch watch = {.request = ask_twice};
     struct dea_engine_stats stats;
     struct dea_error error;
     const struct dea_deck_options options = usual_options();
@@ -306,10 +196,6 @@ static void test_no_engine_after_exit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_first_steps_are_never_redone),
-        cmocka_unit_test(test_redo_has_a_floor),
-        cmocka_unit_test(test_redone_step_is_shorter),
-        cmocka_unit_test(test_events_forbid_redo),
         cmocka_unit_test(test_asking_for_nothing_gets_the_floor),
         cmocka_unit_test(test_longer_steps_are_not_taken),
         cmocka_unit_test(test_uneven_crawl_is_ended),

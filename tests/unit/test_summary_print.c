@@ -36,7 +36,7 @@ static void everything_is_on_one_page(void **state) {
                               "            stored          100 uJ\n"
                               "            dissipated       25 uJ  (branches 20 uJ, damping 5 uJ)\n"
                               "            imbalance      1.5e-06  of 300 uJ exchanged\n"
-                              "  coupling  error          3.2e-05  (12 exchanges redone)\n"
+                              "  coupling  error          3.2e-05\n"
                               "  circuit   1234 points, 5 rejected\n"
                               "  device    678 steps, 2000 residuals, 40 Jacobians, 6 restarts\n");
     free(text);
@@ -50,6 +50,17 @@ static void rounding_dust_is_shown_as_zero(void **state) {
     run.result.stats[1] = (struct dea_signal_stats){.min = -7e-8, .max = 3300, .final = -4e-6};
     char *text = print_summary(&run);
     assert_non_null(strstr(text, "  left.voltage          0 V     3.3 kV   -4 uV      0 s\n"));
+    free(text);
+    dea_result_clear(&run.result);
+}
+
+static void loosened_tolerances_are_told(void **state) {
+    (void)state;
+    struct sample_run run;
+    fill_sample(&run);
+    run.result.relaxed = 2;
+    char *text = print_summary(&run);
+    assert_non_null(strstr(text, "3.2e-05  (circuit tolerances loosened: accuracy not as asked)\n"));
     free(text);
     dea_result_clear(&run.result);
 }
@@ -96,9 +107,8 @@ static void long_event_lists_are_cut(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_is_on_one_page),
-        cmocka_unit_test(rounding_dust_is_shown_as_zero),
-        cmocka_unit_test(native_run_has_no_coupling),
+        cmocka_unit_test(everything_is_on_one_page),    cmocka_unit_test(rounding_dust_is_shown_as_zero),
+        cmocka_unit_test(loosened_tolerances_are_told), cmocka_unit_test(native_run_has_no_coupling),
         cmocka_unit_test(long_event_lists_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

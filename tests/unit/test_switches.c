@@ -1,6 +1,7 @@
 /* Switches turn when their controls reach the thresholds: a film that charges while its switch opens keeps the voltage
  * of that instant. */
 #include "circuit/engine.h"
+#include "loaded_text.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -45,36 +46,19 @@ static enum dea_status keep(void *context, const struct dea_circuit_point *point
 
 /* Runs a netlist for 0.6 ms with the tolerances of a relative accuracy of 1e-3. */
 static void run(const char *text, struct course *course) {
-    char path[] = "switches-test-XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    assert_int_equal(write(file, text, strlen(text)), strlen(text));
-    close(file);
-    const struct dea_netlist_device names = {"DEA", 1, {"left", NULL}};
-    const struct dea_netlist_options netlist_options = {.devices = &names, .device_count = 1};
-    struct dea_circuit_device device = {
-        .name = "DEA",
-        .port_count = 1,
-        .ports = {{.rest_capacitance = C_REST, .conductivity_field = INFINITY}},
-    };
+    const struct dea_port port = {.rest_capacitance = C_REST, .conductivity_field = INFINITY};
     struct dea_deck_options options = {.stop = 0.6e-3, .step = 1e-6, .reltol = 3e-4, .trtol = 0.011};
     const struct dea_engine_callbacks callbacks = {.context = course, .port_value = give, .accepted = keep};
-    struct dea_netlist netlist;
-    struct dea_deck deck = {0};
+    struct loaded_text loaded;
     struct dea_engine *engine;
     struct dea_error error = {.text = ""};
     *course = (struct course){.last = 0.0};
-    if (dea_netlist_read(path, &netlist_options, &netlist, &error) != DEA_OK ||
-        dea_deck_build(&netlist, &device, &options, &deck, &error) != DEA_OK ||
-        dea_engine_open(&engine, &error) != DEA_OK)
-        fail_msg("%s", error.text);
-    unlink(path);
-    if (dea_engine_load(engine, &netlist, &deck, &device, &options, &callbacks, &error) != DEA_OK ||
+    if (dea_engine_open(&engine, &error) != DEA_OK ||
+        load_text(engine, text, &port, &options, &callbacks, &loaded, &error) != DEA_OK ||
         dea_engine_run(engine, &error) != DEA_OK)
         fail_msg("%s", error.text);
     dea_engine_close(engine);
-    dea_deck_clear(&deck);
-    dea_netlist_clear(&netlist);
+    clear_text(&loaded);
 }
 
 /* 100 V come at 0.1 ms through 1 MOhm; the switch opens at `opened`. */
