@@ -1,20 +1,18 @@
 /* One netlist with 1, 4, 16 and 64 devices, and the same netlist with fixed capacitors in their place run by plain
  * ngspice: does time grow as the circuit's own? In mode linear, which is for one device, the circuit grows instead.
  * usage: many_devices PROGRAM FIXED_CAPACITOR DEVICE FOLDER TABLE; the table is CSV */
-#include <errno.h>
-#include <fcntl.h>
+#include "process.h"
+#include "text.h"
+
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 enum { PATH_ROOM = 1024, ROUNDS = 3 };
 
 #define LONG_RUN 3.0 /* s: not repeated */
+#define LIMIT 1800.0 /* s of processor time for one run */
 
 /* ---- circuits ---- */
 
@@ -109,31 +107,14 @@ struct cost {
     double memory; /* MB, largest resident set of one process */
 };
 
-static void become(char *const *arguments, const char *output) {
-    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-    int out = open(output, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (null < 0 || out < 0 || dup2(null, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0)
-        _exit(127);
-    execvp(arguments[0], arguments);
-    _exit(127);
-}
-
-/* Runs a command with stdout into a file; a failure ends the benchmark. */
+/* Runs a command with stdout into a file (NULL: thrown away); a failure ends the benchmark. */
 static struct cost run_once(char *const *arguments, const char *output) {
-    struct rusage usage;
-    int status = 0;
-    pid_t child = fork(), ended = -1;
-    if (child == 0)
-        become(arguments, output);
-    while (child > 0 && (ended = wait4(child, &status, 0, &usage)) < 0 && errno == EINTR)
-        ;
-    if (ended != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-        fprintf(stderr, "%s failed\n", arguments[0]);
+    struct process_result result = process_run(arguments, output, LIMIT);
+    if (!result.good) {
+        fprintf(stderr, "%s failed: %s\n", arguments[0], result.timed_out ? "took too long" : result.message);
         exit(3);
     }
-    return (struct cost){(double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-                             1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec),
-                         (double)usage.ru_maxrss / 1024.0};
+    return (struct cost){result.cpu, result.memory};
 }
 
 /* The best of some rounds. */
@@ -142,24 +123,6 @@ static struct cost run(char *const *arguments, const char *output) {
     for (int round = 1; round < ROUNDS && best.cpu < LONG_RUN; round++)
         best.cpu = fmin(best.cpu, run_once(arguments, output).cpu);
     return best;
-}
-
-/* The whole of a summary; the caller frees. */
-static char *read_text(const char *path) {
-    FILE *file = fopen(path, "r");
-    long length = -1;
-    if (file == NULL || fseek(file, 0, SEEK_END) != 0 || (length = ftell(file)) < 0 || fseek(file, 0, SEEK_SET) != 0) {
-        perror(path);
-        exit(3);
-    }
-    char *text = malloc((size_t)length + 1);
-    if (text == NULL || fread(text, 1, (size_t)length, file) != (size_t)length) {
-        fprintf(stderr, "%s: cannot be read\n", path);
-        exit(3);
-    }
-    fclose(file);
-    text[length] = '\0';
-    return text;
 }
 
 static double read_number(const char *summary, const char *key) {
@@ -177,10 +140,14 @@ static void measure(const struct family *family, int count, char **arguments, FI
     snprintf(deck, sizeof deck, "%s/fixed.cir", folder);
     snprintf(raw, sizeof raw, "%s/fixed.raw", folder); /* not /dev/null: ngspice deletes a raw file in the end */
     struct cost coupled = run((char *[]){program, "run", scene, "--quiet", "--json", NULL}, summary);
-    run_once((char *[]){capacitor, scene, "1e-4", deck, NULL}, "/dev/null");
-    struct cost alone = run((char *[]){"ngspice", "-b", "-r", raw, deck, NULL}, "/dev/null");
+    run_once((char *[]){capacitor, scene, "1e-4", deck, NULL}, NULL);
+    struct cost alone = run((char *[]){"ngspice", "-b", "-r", raw, deck, NULL}, NULL);
     remove(raw);
     char *text = read_text(summary);
+    if (text == NULL) {
+        perror(summary);
+        exit(3);
+    }
     snprintf(mode, sizeof mode, "\"mode\":\t\"%s\"", family->mode);
     if (strstr(text, mode) == NULL) {
         fprintf(stderr, "%s: the mode of the run is not %s\n", scene, family->mode);

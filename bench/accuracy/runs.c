@@ -1,47 +1,16 @@
-/* Runs of the program, and of the independent one, each in a process of its own with an alarm. */
+/* Runs of the program, and of the independent one, each in a process of its own. */
 #include "accuracy.h"
+#include "process.h"
 #include "text.h"
 
 #include "deasim/scene.h"
 #include "independent.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* Exit code of a child, -signal when killed. */
-static int wait_for(pid_t child) {
-    int status = 0;
-    if (child < 0)
-        return 127;
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR)
-            return 127;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-/* In the child: stdout and stderr into files, then the program. The alarm outlives exec. */
-static void become(char *const *arguments, const char *out, const char *words, double limit) {
-    int to = open(out, O_WRONLY | O_CREAT | O_TRUNC, 0644), error = open(words, O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    if (to < 0 || error < 0 || dup2(to, STDOUT_FILENO) < 0 || dup2(error, STDERR_FILENO) < 0)
-        _exit(127);
-    alarm((unsigned)ceil(limit));
-    execv(arguments[0], arguments);
-    _exit(127);
-}
 
 static double number(const cJSON *root, const char *group, const char *name) {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(root, group), name);
@@ -65,25 +34,23 @@ static void read_summary(const char *path, struct run *run) {
     free(text);
 }
 
-static void name_problem(struct run *run, int code, const char *words) {
-    char *text = read_text(words);
-    if (code == -SIGALRM)
+static void name_problem(struct run *run, const struct process_result *result) {
+    if (result->timed_out)
         snprintf(run->problem, sizeof run->problem, "took too long");
-    else if (text != NULL && text[0] != '\0')
-        snprintf(run->problem, sizeof run->problem, "exit %d: %.*s", code, (int)strcspn(text, "\n,"), text);
+    else if (result->message[0] != '\0')
+        snprintf(run->problem, sizeof run->problem, "exit %d: %.*s", result->code, (int)strcspn(result->message, ","),
+                 result->message);
     else
-        snprintf(run->problem, sizeof run->problem, "exit %d", code);
-    free(text);
+        snprintf(run->problem, sizeof run->problem, "exit %d", result->code);
 }
 
 void run_scene(const char *program, const char *scene, const char *engine, double accuracy, double sample, bool every,
                const char *folder, double limit, struct run *run) {
-    char json[PATH_ROOM], words[PATH_ROOM], promise[32], spacing[64], out[PATH_ROOM], raw[PATH_ROOM + 16];
+    char json[PATH_ROOM], promise[32], spacing[64], out[PATH_ROOM], raw[PATH_ROOM + 16];
     *run = (struct run){0};
     snprintf(out, sizeof out, "%s/run", folder);
     snprintf(raw, sizeof raw, "%s/result.raw", out);
     snprintf(json, sizeof json, "%s/run.json", folder);
-    snprintf(words, sizeof words, "%s/run.err", folder);
     snprintf(promise, sizeof promise, "%g", accuracy);
     snprintf(spacing, sizeof spacing, "output.sample=%.17g", sample);
     const char *list[] = {program,
@@ -108,19 +75,15 @@ void run_scene(const char *program, const char *scene, const char *engine, doubl
     for (size_t i = 0; i < sizeof list / sizeof list[0]; i++)
         arguments[i] = list[i] != NULL ? strdup(list[i]) : NULL;
     (void)unlink(raw);
-    double started = now();
-    pid_t child = fork();
-    if (child == 0)
-        become(arguments, json, words, limit);
-    int code = wait_for(child);
-    run->seconds = now() - started;
+    struct process_result result = process_run(arguments, json, limit);
+    run->seconds = result.wall;
     for (size_t i = 0; i < sizeof list / sizeof list[0]; i++)
         free(arguments[i]);
-    run->good = code == 0 && rows_read(out, &run->rows);
-    if (code == 0)
+    run->good = result.good && rows_read(out, &run->rows);
+    if (result.good)
         read_summary(json, run);
     if (!run->good)
-        name_problem(run, code, words);
+        name_problem(run, &result);
 }
 
 void run_clear(struct run *run) {
@@ -132,16 +95,22 @@ void run_clear(struct run *run) {
 /* The independent program takes steps up to a sample: it would miss an event that comes and goes within one. */
 #define FINER 5
 
+struct independent_job {
+    const char *scene, *path; /* read, written */
+    size_t samples;
+};
+
 /* In the child: the trace as a table of doubles. Samples and columns are the parent's. */
-static int write_independent(const char *path, const char *name, size_t samples) {
+static int write_independent(void *context) {
+    const struct independent_job *job = context;
     struct dea_scene scene = {0};
     struct dea_error error;
     struct independent_trace trace = {0};
-    if (dea_scene_read(name, NULL, 0, &scene, &error) != DEA_OK ||
+    if (dea_scene_read(job->scene, NULL, 0, &scene, &error) != DEA_OK ||
         scene.policies[DEA_EVENT_BREAKDOWN] == DEA_POLICY_SHORT ||
-        !independent_run(&scene, 1e-13, FINER * samples, &trace) || trace.count != FINER * samples + 1)
+        !independent_run(&scene, 1e-13, FINER * job->samples, &trace) || trace.count != FINER * job->samples + 1)
         return 1; /* shorts of punctured films are not in the independent program */
-    FILE *file = fopen(path, "wb");
+    FILE *file = fopen(job->path, "wb");
     bool good = file != NULL;
     const double *columns[] = {trace.x, trace.port[0], trace.port[1]};
     for (int i = 0; good && i < 3; i++)
@@ -155,12 +124,7 @@ bool run_independent(const char *scene, double stop, size_t samples, const char 
     char path[PATH_ROOM + 16];
     snprintf(path, sizeof path, "%s/independent", folder);
     memset(rows, 0, sizeof *rows);
-    pid_t child = fork();
-    if (child == 0) {
-        alarm((unsigned)ceil(limit));
-        _exit(write_independent(path, scene, samples));
-    }
-    if (wait_for(child) != 0)
+    if (!process_call(write_independent, &(struct independent_job){scene, path, samples}, limit).good)
         return false;
     size_t count = samples + 1;
     double *values = malloc(3 * count * sizeof *values);

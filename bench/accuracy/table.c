@@ -51,9 +51,12 @@ static void write_line(const struct points *points, const char *mode, double ask
         exceeded += point_error(p) > p->asked;
     }
     qsort(ratios, count, sizeof *ratios, compare);
+    char column[16] = "all";
+    if (asked > 0.0)
+        snprintf(column, sizeof column, "%.0e", asked);
     if (count > 0)
-        fprintf(file, "| %s | %.0e | %zu | %.3g | %.3g | %.3g | %zu | %zu | %zu |\n", mode[0] != '\0' ? mode : "all",
-                asked, count, ratios[count / 2], ratios[0], ratios[count - 1], exceeded, unbalanced, failed);
+        fprintf(file, "| %s | %s | %zu | %.3g | %.3g | %.3g | %zu | %zu | %zu |\n", mode[0] != '\0' ? mode : "all",
+                column, count, ratios[count / 2], ratios[0], ratios[count - 1], exceeded, unbalanced, failed);
     free(ratios);
 }
 

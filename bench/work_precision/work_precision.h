@@ -3,6 +3,8 @@
 #ifndef DEASIM_BENCH_WORK_PRECISION_H
 #define DEASIM_BENCH_WORK_PRECISION_H
 
+#include "process.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -30,22 +32,6 @@ struct trace_error {
     double x, ports;
 };
 struct trace_error trace_compare(const struct trace *trace, const struct trace *reference);
-
-/* ---- processes ---- */
-
-struct process_result {
-    bool good;         /* exit code 0, in time */
-    bool timed_out;    /* killed at the limit */
-    double wall, cpu;  /* s */
-    char message[160]; /* the last it said on stderr */
-};
-
-/* s, of a clock that never jumps. */
-double process_clock(void);
-
-/* Runs a command with stdout into a file (NULL: thrown away). The limit is processor time, so that
- * a busy machine does not turn runs into failures. */
-struct process_result process_run(char *const *arguments, const char *stdout_path, double limit);
 
 /* ---- points ---- */
 
