@@ -1,6 +1,7 @@
 /* SUNDIALS IDA around the plant: set-up, steps, restarts, statistics, and words for its failures. */
 #include "plant/integrator.h"
 #include "plant/amplifier.h"
+#include "plant/vectors.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,20 +38,15 @@ static bool make_vectors(struct dea_plant *plant) {
     N_Vector *vectors[] = {&plant->y,        &plant->yp,        &plant->id,     &plant->rates,
                            &plant->sample_y, &plant->sample_yp, &plant->kept_yp};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
-        *vectors[i] = N_VNew_Serial(n, plant->context);
+        *vectors[i] = plant_new_vector(n, plant->context);
         if (*vectors[i] == NULL)
             return false;
-        N_VConst(0.0, *vectors[i]);
     }
-    plant->quad = N_VNew_Serial(LOSS_COUNT, plant->context);
-    plant->sample_quad = N_VNew_Serial(LOSS_COUNT, plant->context);
+    plant->quad = plant_new_vector(LOSS_COUNT, plant->context);
+    plant->sample_quad = plant_new_vector(LOSS_COUNT, plant->context);
     if (plant->quad == NULL || plant->sample_quad == NULL)
         return false;
-    N_VConst(0.0, plant->quad);
     N_VConst(1.0, plant->id);
-    /* vectors this short cost more in calls than in arithmetic: IDA clones these two */
-    if (N_VEnableFusedOps_Serial(plant->y, SUNTRUE) != 0 || N_VEnableFusedOps_Serial(plant->quad, SUNTRUE) != 0)
-        return false;
     if (plant->motion == MOTION_ALGEBRAIC)
         N_VGetArrayPointer(plant->id)[plant->x] = 0.0;
     return true;

@@ -2,12 +2,12 @@
  * and KLU for many. In the taut state branches meet only through x and the charge (an arrow); a slack film ties all
  * branches of its zone together through its natural stretch, so the sparse pattern has a taut and a slack form. */
 #include "plant/amplifier.h"
+#include "plant/dense.h"
 #include "plant/network.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sunlinsol/sunlinsol_dense.h>
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunmatrix/sunmatrix_sparse.h>
@@ -113,7 +113,7 @@ enum dea_status plant_make_matrix(struct dea_plant *plant, struct dea_error *err
     set_pattern(plant, false, pattern);
     free(pattern);
     plant->solver = plant->sparse ? SUNLinSol_KLU(plant->y, plant->matrix, plant->context)
-                                  : SUNLinSol_Dense(plant->y, plant->matrix, plant->context);
+                                  : plant_new_dense_solver(n, plant->context);
     if (plant->solver == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "cannot set up the linear solver for %d unknowns", n);
     return DEA_OK;
