@@ -153,13 +153,6 @@ static int take_point(pvecvaluesall values, int count, int id, void *context) {
     return 0;
 }
 
-static int ignore_status(char *text, int id, void *context) {
-    (void)text;
-    (void)id;
-    (void)context;
-    return 0;
-}
-
 static int ignore_vectors(pvecinfoall info, int id, void *context) {
     (void)info;
     (void)id;
@@ -182,7 +175,7 @@ static enum dea_status start_in_folder(const char *folder, struct dea_error *err
     if (file < 0)
         return dea_fail(error, DEA_ERR_SOLVER, "cannot write into %s: %s", folder, strerror(errno));
     close(file);
-    int failed = ngSpice_Init(hear_line, ignore_status, note_exit, take_point, ignore_vectors, NULL, NULL);
+    int failed = ngSpice_Init(hear_line, NULL, note_exit, take_point, ignore_vectors, NULL, NULL);
     unlink(".spiceinit");
     if (failed || library_dead)
         return dea_fail(error, DEA_ERR_SOLVER, "libngspice does not start");
@@ -216,11 +209,7 @@ static enum dea_status start_library(struct dea_error *error) {
     DEA_TRY(status);
     int identity = 0;
     ngSpice_Init_Sync(give_value, give_value, steer_step, &identity, NULL);
-    /* Its last resort for the operating point, a pseudo transient, can run for ever and asks for external values at
-     * times of its own: without it the failure is clean and names the node. Threads cost more than they bring in small
-     * circuits. */
-    dea_engine_command("optran 1 1 1 0 0 0");
-    dea_engine_command("set num_threads=1");
+    dea_engine_settle();
     library_started = true;
     return DEA_OK;
 }

@@ -1,5 +1,5 @@
-/* Parts of the engine: running (engine.c), failures (verdict.c), external numbers and samples (ports.c), what ngspice
- * says (messages.c). */
+/* Parts of the engine: running (engine.c), what ngspice is told at its start (settings.c), failures (verdict.c),
+ * external numbers and samples (ports.c), what ngspice says (messages.c). */
 #ifndef DEASIM_CIRCUIT_ENGINE_INTERNAL_H
 #define DEASIM_CIRCUIT_ENGINE_INTERNAL_H
 
@@ -95,6 +95,9 @@ struct dea_engine {
 
 /* ---- engine.c ---- */
 int dea_engine_command(const char *text);
+
+/* ---- settings.c ---- */
+void dea_engine_settle(void);
 
 /* ---- verdict.c ---- */
 /* What an early end of the transient means, as a status with its message. */
