@@ -43,15 +43,24 @@ if(NOT UDUNITS_INCLUDE OR NOT UDUNITS_LIBRARY)
 endif()
 find_package(Threads REQUIRED)
 
-# The shared HDF5 of Debian pulls in 35 more libraries (it can read from the web): loading them takes 6 of 10 ms of every
-# start. Its archive leaves out what is not called.
-find_library(HDF5_ARCHIVE libhdf5_serial.a NO_CACHE)
-find_library(SZIP_LIBRARY sz NO_CACHE)
-find_library(ZLIB_LIBRARY z NO_CACHE)
-if(HDF5_ARCHIVE AND SZIP_LIBRARY AND ZLIB_LIBRARY)
-    set(hdf5_libraries ${HDF5_ARCHIVE} ${SZIP_LIBRARY} ${ZLIB_LIBRARY} ${CMAKE_DL_LIBS})
+# Every shared library costs each start of the program: 0.05 ms for a small one, 6 ms for the shared HDF5, which pulls in 35
+# more (it can read from the web). An archive leaves out what is not called and is relocated with the program.
+set(archives sundials_idas sundials_nvecserial sundials_sunlinsoldense sundials_sunmatrixdense sundials_sunlinsolklu
+    sundials_sunmatrixsparse sundials_generic klu amd colamd btf suitesparseconfig hdf5_serial sz aec z yaml udunits2 expat)
+set(linked_archives)
+foreach(archive IN LISTS archives)
+    find_library(${archive}_ARCHIVE lib${archive}.a NO_CACHE)
+    if(${archive}_ARCHIVE)
+        list(APPEND linked_archives ${${archive}_ARCHIVE})
+    endif()
+endforeach()
+list(LENGTH archives wanted)
+list(LENGTH linked_archives found)
+if(wanted EQUAL found)
+    set(solver_libraries ${linked_archives})
 else()
-    set(hdf5_libraries PkgConfig::HDF5)
+    set(solver_libraries SUNDIALS::idas SUNDIALS::nvecserial SUNDIALS::sunlinsoldense SUNDIALS::sunlinsolklu
+        PkgConfig::YAML PkgConfig::HDF5 ${UDUNITS_LIBRARY})
 endif()
 
 if(missing_packages)
@@ -60,8 +69,8 @@ if(missing_packages)
         "    apt-get install ${missing_packages}\n")
 endif()
 
+# ngspice, NLopt and cminpack are not linked: base/library.c loads them when a netlist, a search or a fit needs them.
 add_library(deasim_dependencies INTERFACE)
-target_include_directories(deasim_dependencies SYSTEM INTERFACE ${UDUNITS_INCLUDE} ${HDF5_INCLUDE_DIRS})
-target_link_libraries(deasim_dependencies INTERFACE SUNDIALS::idas SUNDIALS::nvecserial SUNDIALS::sunlinsoldense
-    SUNDIALS::sunlinsolklu PkgConfig::CJSON PkgConfig::YAML ${hdf5_libraries} PkgConfig::NGSPICE PkgConfig::NLOPT
-    PkgConfig::CMINPACK Threads::Threads ${UDUNITS_LIBRARY} m)
+target_include_directories(deasim_dependencies SYSTEM INTERFACE ${UDUNITS_INCLUDE} ${HDF5_INCLUDE_DIRS} ${YAML_INCLUDE_DIRS}
+    ${KLU_INCLUDE} ${NGSPICE_INCLUDE_DIRS} ${NLOPT_INCLUDE_DIRS} ${CMINPACK_INCLUDE_DIRS})
+target_link_libraries(deasim_dependencies INTERFACE ${solver_libraries} PkgConfig::CJSON Threads::Threads ${CMAKE_DL_LIBS} m)

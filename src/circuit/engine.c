@@ -1,6 +1,7 @@
 /* Runs libngspice: start, load, transient with callbacks, verdict. */
 #include "circuit/engine_internal.h"
 
+#include "base/library.h"
 #include "circuit/netlist_internal.h"
 
 #include <errno.h>
@@ -21,6 +22,26 @@
 static struct dea_engine *current_engine;
 static bool library_started, library_dead;
 
+/* libngspice, loaded when the first circuit needs it; its functions by their names without ngSpice_. */
+static struct {
+    __typeof__(ngSpice_Init) *init;
+    __typeof__(ngSpice_Init_Sync) *init_sync;
+    __typeof__(ngSpice_Command) *command;
+    __typeof__(ngSpice_Circ) *circ;
+    __typeof__(ngSpice_SetBkpt) *set_breakpoint;
+    __typeof__(ngCM_Input_Path) *input_path;
+} spice;
+
+enum dea_status dea_engine_preload(struct dea_error *error) {
+    const struct dea_library_function functions[] = {{"ngSpice_Init", &spice.init},
+                                                     {"ngSpice_Init_Sync", &spice.init_sync},
+                                                     {"ngSpice_Command", &spice.command},
+                                                     {"ngSpice_Circ", &spice.circ},
+                                                     {"ngSpice_SetBkpt", &spice.set_breakpoint},
+                                                     {"ngCM_Input_Path", &spice.input_path}};
+    return dea_library_load("libngspice.so.0", "libngspice0", functions, sizeof functions / sizeof functions[0], error);
+}
+
 /* ---- steps ---- */
 
 static void record_step(struct dea_engine *engine, double time, double delta, enum dea_step_verdict verdict) {
@@ -35,7 +56,7 @@ static void stop_run(struct dea_engine *engine, enum dea_status verdict) {
         return;
     engine->stop_sent = true;
     char command[] = "stop when time > -1";
-    ngSpice_Command(command);
+    spice.command(command);
 }
 
 /* A run that does not get on is ended, also when every single step converges. */
@@ -163,9 +184,9 @@ static int ignore_vectors(pvecinfoall info, int id, void *context) {
 /* ---- start ---- */
 
 int dea_engine_command(const char *text) {
-    char buffer[256];
+    char buffer[DEA_COMMAND_MAX];
     snprintf(buffer, sizeof buffer, "%s", text);
-    return ngSpice_Command(buffer);
+    return spice.command(buffer);
 }
 
 /* Initialises ngspice from a folder of its own that holds an empty .spiceinit: ngspice runs the one of the current
@@ -175,7 +196,7 @@ static enum dea_status start_in_folder(const char *folder, struct dea_error *err
     if (file < 0)
         return dea_fail(error, DEA_ERR_SOLVER, "cannot write into %s: %s", folder, strerror(errno));
     close(file);
-    int failed = ngSpice_Init(hear_line, NULL, note_exit, take_point, ignore_vectors, NULL, NULL);
+    int failed = spice.init(hear_line, NULL, note_exit, take_point, ignore_vectors, NULL, NULL);
     unlink(".spiceinit");
     if (failed || library_dead)
         return dea_fail(error, DEA_ERR_SOLVER, "libngspice does not start");
@@ -208,7 +229,7 @@ static enum dea_status start_library(struct dea_error *error) {
     rmdir(folder);
     DEA_TRY(status);
     int identity = 0;
-    ngSpice_Init_Sync(give_value, give_value, steer_step, &identity, NULL);
+    spice.init_sync(give_value, give_value, steer_step, &identity, NULL);
     dea_engine_settle();
     library_started = true;
     return DEA_OK;
@@ -224,7 +245,9 @@ enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *er
     if (made == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit engine");
     if (!library_started) {
-        enum dea_status status = start_library(error);
+        enum dea_status status = dea_engine_preload(error);
+        if (status == DEA_OK)
+            status = start_library(error);
         if (status != DEA_OK) {
             free(made);
             return status;
@@ -279,8 +302,8 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
         snprintf(engine->measures[i].name, sizeof engine->measures[i].name, "%s", netlist->measures[i]);
         engine->measures[i].failed = true;
     }
-    ngCM_Input_Path(netlist->folder);
-    int failed = ngSpice_Circ(deck->lines);
+    spice.input_path(netlist->folder);
+    int failed = spice.circ(deck->lines);
     if (failed || engine->complaints.count > 0 || engine->complaints.exit_requested)
         return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", NULL, error);
     return dea_switches_find(engine, &engine->switches, error);
@@ -291,7 +314,7 @@ enum dea_status dea_engine_list(struct dea_engine *engine, struct dea_listing *l
     char command[] = "listing expand";
     engine->listing = listing;
     engine->listing_cut = false;
-    int failed = ngSpice_Command(command);
+    int failed = spice.command(command);
     engine->listing = NULL;
     if (engine->listing_cut)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit");
@@ -340,7 +363,7 @@ enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *erro
     engine->floor = 1e-10 * dea_deck_longest_step(engine->options); /* ten times what ngspice itself goes down to */
     engine->stats = (struct dea_engine_stats){0};
     for (int i = 0; i < engine->breakpoint_count; i++)
-        if (!ngSpice_SetBkpt(engine->breakpoints[i]))
+        if (!spice.set_breakpoint(engine->breakpoints[i]))
             return dea_fail(error, DEA_ERR_SOLVER, "ngspice refuses a breakpoint at t = %.9g s",
                             engine->breakpoints[i]);
     engine->running = true;

@@ -60,6 +60,10 @@ struct dea_listing {
     int count;
 };
 
+/* Loads libngspice without starting it: what a process does once before it forks several that open an engine.
+ * DEA_ERR_INTERNAL when it is not installed. */
+enum dea_status dea_engine_preload(struct dea_error *error);
+
 /* Starts ngspice in this process: C number locale, the system's code models, no .spiceinit of folder or home.
  * DEA_ERR_SOLVER when the library is unusable, DEA_ERR_INTERNAL when an engine exists already. */
 enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *error);

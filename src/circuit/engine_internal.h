@@ -94,6 +94,7 @@ struct dea_engine {
 };
 
 /* ---- engine.c ---- */
+#define DEA_COMMAND_MAX 4000 /* bytes of a command */
 int dea_engine_command(const char *text);
 
 /* ---- settings.c ---- */

@@ -8,8 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define MAX_COMMAND 4000
-
 /* Whatever else ngspice's command language knows (; ` $ | < > !) could run something: an untrusted line must not reach
  * it. */
 #define HARMLESS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.,=()+-*/'# \t"
@@ -57,7 +55,8 @@ bool dea_measures_movable(const struct dea_netlist *netlist) {
         const char *text = netlist->lines[i].text;
         if (!is_measure(&netlist->lines[i]))
             continue;
-        if (strlen(text) > MAX_COMMAND / 2 || text[strspn(text, HARMLESS)] != '\0' || strcasestr(text, "param") != NULL)
+        if (strlen(text) > DEA_COMMAND_MAX / 2 || text[strspn(text, HARMLESS)] != '\0' ||
+            strcasestr(text, "param") != NULL)
             return false;
         const char *start, *end, *after;
         for (const char *rest = text; strcasestr(rest, "par(") != NULL; rest = after)
@@ -67,33 +66,27 @@ bool dea_measures_movable(const struct dea_netlist *netlist) {
     return true;
 }
 
-static void command(const char *text) {
-    char copy[MAX_COMMAND];
-    snprintf(copy, sizeof copy, "%s", text);
-    ngSpice_Command(copy); /* its return code says nothing; a measure that fails keeps its mark */
-}
-
 /* One line: expressions become vectors first. */
 static void measure_line(const char *text, int *vectors) {
-    char line[MAX_COMMAND], let[MAX_COMMAND];
+    char line[DEA_COMMAND_MAX], let[DEA_COMMAND_MAX];
     snprintf(line, sizeof line, "meas%s", text + strcspn(text, " \t"));
     const char *start, *end, *after, *par;
     while ((par = find_expression(line, &start, &end, &after)) != NULL) {
         snprintf(let, sizeof let, "let dea_expression_%d = %.*s", *vectors, (int)(end - start), start);
-        command(let);
-        char shortened[MAX_COMMAND];
+        dea_engine_command(let);
+        char shortened[DEA_COMMAND_MAX];
         int head = (int)(par - line);
         snprintf(shortened, sizeof shortened, "%.*sdea_expression_%d%s", head, line, (*vectors)++, after);
         memcpy(line, shortened, sizeof line);
     }
-    command(line);
+    dea_engine_command(line); /* its return code says nothing; a measure that fails keeps its mark */
 }
 
 enum dea_status dea_engine_measure_file(struct dea_engine *engine, const char *raw_path, struct dea_error *error) {
-    char load[MAX_COMMAND];
+    char load[DEA_COMMAND_MAX];
     if (snprintf(load, sizeof load, "load %s", raw_path) >= (int)sizeof load)
         return dea_fail(error, DEA_ERR_INTERNAL, "the path %s is too long", raw_path);
-    command(load);
+    dea_engine_command(load);
     engine->complaints.measuring = true;
     int vectors = 0;
     for (int i = 1; i < engine->netlist->line_count; i++)

@@ -130,7 +130,7 @@ static void save(const char *name) {
         return;
     char command[320];
     snprintf(command, sizeof command, strchr(name, '#') != NULL ? "save %s" : "save v(%s)", name);
-    ngSpice_Command(command);
+    dea_engine_command(command);
 }
 
 static enum dea_status read_switches(struct dea_switches *switches, const struct dea_listing *listing,

@@ -170,6 +170,8 @@ enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_r
                                const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
     struct dea_netlist netlist = {0};
     enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
+    if (status == DEA_OK) /* here, so that a process of many runs does it once */
+        status = dea_engine_preload(error);
     if (status == DEA_OK) {
         char log[4096] = "";
         if (options->directory != NULL)

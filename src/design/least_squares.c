@@ -1,6 +1,8 @@
 /* Least squares over MINPACK: lmdif searches, covar gives the covariance of the parameters. */
 #include "design/least_squares.h"
 
+#include "base/library.h"
+
 #include <cminpack.h>
 
 #include <float.h>
@@ -19,6 +21,9 @@ struct minpack {
     double scale; /* largest |datum| */
     double *residuals, *jacobian, *work;
     int pivots[DEA_FIT_PARAMETERS];
+    __typeof__(lmdif) *lmdif;
+    __typeof__(enorm) *enorm;
+    __typeof__(covar) *covar;
 };
 
 static int residuals(void *context, int m, int n, const double *q, double *out, int flag) {
@@ -44,6 +49,9 @@ static enum dea_status minpack_prepare(const struct dea_least_squares *problem, 
                                        struct dea_error *error) {
     size_t m = problem->data->count, n = (size_t)problem->count;
     *minpack = (struct minpack){.problem = problem};
+    const struct dea_library_function functions[] = {
+        {"lmdif", &minpack->lmdif}, {"enorm", &minpack->enorm}, {"covar", &minpack->covar}};
+    DEA_TRY(dea_library_load("libcminpack.so.1", "libcminpack1", functions, 3, error));
     for (size_t i = 0; i < m; i++)
         minpack->scale = fmax(minpack->scale, fabs(problem->data->values[1][i]));
     minpack->residuals = malloc(m * sizeof(double));
@@ -59,13 +67,13 @@ static enum dea_status minpack_prepare(const struct dea_least_squares *problem, 
 static int minpack_run(struct minpack *minpack, double *q, int evaluations) {
     int m = (int)minpack->problem->data->count, n = minpack->problem->count, used;
     double scale[DEA_FIT_PARAMETERS], *work = minpack->work;
-    return lmdif(residuals, minpack, m, n, q, minpack->residuals, 1e-15, 1e-12, 0.0, evaluations, 0.0, scale, 1, 10.0,
-                 0, &used, minpack->jacobian, m, minpack->pivots, work, work + n, work + 2 * n, work + 3 * n,
-                 work + 4 * n);
+    return minpack->lmdif(residuals, minpack, m, n, q, minpack->residuals, 1e-15, 1e-12, 0.0, evaluations, 0.0, scale,
+                          1, 10.0, 0, &used, minpack->jacobian, m, minpack->pivots, work, work + n, work + 2 * n,
+                          work + 3 * n, work + 4 * n);
 }
 
 static double sum_of_squares(const struct minpack *minpack) {
-    double norm = enorm((int)minpack->problem->data->count, minpack->residuals) * minpack->scale;
+    double norm = minpack->enorm((int)minpack->problem->data->count, minpack->residuals) * minpack->scale;
     return norm * norm;
 }
 
@@ -121,7 +129,7 @@ enum dea_status dea_least_squares_judge(const struct dea_least_squares *problem,
     minpack_run(&minpack, here, 1); /* for the Jacobian at the solution: no step is wanted */
     double cost = sum_of_squares(&minpack), freedom = m - n;
     /* columns of the Jacobian that depend on others within this give no interval */
-    covar(n, minpack.jacobian, m, minpack.pivots, 1e-10, minpack.work);
+    minpack.covar(n, minpack.jacobian, m, minpack.pivots, 1e-10, minpack.work);
     double variance = cost / (minpack.scale * minpack.scale) / freedom, quantile = student_quantile(freedom);
     for (int k = 0; k < n; k++) {
         double spread = minpack.jacobian[k * m + k];

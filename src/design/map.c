@@ -1,7 +1,7 @@
 /* Filling a design map and finding its best design. */
 #include "deasim/map.h"
 
-#include <nlopt.h>
+#include "design/search_library.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -144,6 +144,7 @@ enum dea_status dea_map_fill(struct dea_map *map, int threads, struct dea_error 
 struct climb {
     struct dea_design design;
     const struct dea_map *map;
+    struct search_library nlopt;
 };
 
 /* Value at a place given in units of the axes, 0 to 1. A failed prestretch is worse than anything. */
@@ -165,19 +166,19 @@ static double climb_value(unsigned n, const double *place, double *gradient, voi
 
 /* Subplex from the best grid point: the value has a kink along the ridge, where gradients mislead. */
 static bool climb_from(struct climb *climb, double place[2], double *value) {
-    nlopt_opt search = nlopt_create(NLOPT_LN_SBPLX, 2);
+    const struct search_library *nlopt = &climb->nlopt;
+    nlopt_opt search = nlopt->create(NLOPT_LN_SBPLX, 2);
     if (search == NULL)
         return false;
-    double low[2] = {0.0, 0.0}, high[2] = {1.0, 1.0};
     double step[2] = {1.0 / (climb->map->x.count - 1), 1.0 / (climb->map->y.count - 1)};
     for (int i = 0; i < 2; i++) /* start off the edge, where the simplex would be flat */
         place[i] = fmin(fmax(place[i], 1e-9), 1.0 - 1e-9);
-    bool good = nlopt_set_max_objective(search, climb_value, climb) > 0 && nlopt_set_lower_bounds(search, low) > 0 &&
-                nlopt_set_upper_bounds(search, high) > 0 && nlopt_set_initial_step(search, step) > 0 &&
-                nlopt_set_xtol_abs1(search, REFINEMENT) > 0 && nlopt_set_maxeval(search, MAX_REFINEMENTS) > 0;
+    bool good = nlopt->set_max_objective(search, climb_value, climb) > 0 && nlopt->set_lower_bounds1(search, 0.0) > 0 &&
+                nlopt->set_upper_bounds1(search, 1.0) > 0 && nlopt->set_initial_step(search, step) > 0 &&
+                nlopt->set_xtol_abs1(search, REFINEMENT) > 0 && nlopt->set_maxeval(search, MAX_REFINEMENTS) > 0;
     /* a search that stops on rounding has arrived as well */
-    nlopt_result result = good ? nlopt_optimize(search, place, value) : NLOPT_FAILURE;
-    nlopt_destroy(search);
+    nlopt_result result = good ? nlopt->optimize(search, place, value) : NLOPT_FAILURE;
+    nlopt->destroy(search);
     return result > 0 || result == NLOPT_ROUNDOFF_LIMITED;
 }
 
@@ -199,7 +200,8 @@ enum dea_status dea_map_find_best(const struct dea_map *map, struct dea_map_best
     if (map->quantity == DEA_MAP_MODE)
         return DEA_OK;
 
-    struct climb climb = {map->base, map};
+    struct climb climb = {.design = map->base, .map = map};
+    DEA_TRY(search_library_load(&climb.nlopt, error));
     double place[2] = {(double)column / (map->x.count - 1), (double)row / (map->y.count - 1)}, value;
     if (!climb_from(&climb, place, &value))
         return dea_fail(error, DEA_ERR_SOLVER, "the best design could not be refined");

@@ -1,7 +1,7 @@
 /* Which way finds the optimum, and the search where no closed form holds. */
 #include "deasim/optimum.h"
 
-#include <nlopt.h>
+#include "design/search_library.h"
 
 #include <math.h>
 #include <string.h>
@@ -132,19 +132,21 @@ static double scan_grid(struct search *search, double best[DEA_KEY_COUNT]) {
 /* One run of a search without gradients, which jump where the failure mode changes; *value is only ever raised. */
 static enum dea_status climb(struct search *search, nlopt_algorithm algorithm, double step, double place[DEA_KEY_COUNT],
                              double *value, struct dea_error *error) {
-    nlopt_opt engine = nlopt_create(algorithm, search->count);
+    struct search_library nlopt;
+    DEA_TRY(search_library_load(&nlopt, error));
+    nlopt_opt engine = nlopt.create(algorithm, search->count);
     if (engine == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the search");
     double tried[DEA_KEY_COUNT], reached;
     memcpy(tried, place, sizeof tried);
-    bool good = nlopt_set_max_objective(engine, worth, search) > 0 && nlopt_set_lower_bounds1(engine, 0.0) > 0 &&
-                nlopt_set_upper_bounds1(engine, 1.0) > 0 && nlopt_set_initial_step1(engine, step) > 0 &&
-                nlopt_set_xtol_abs1(engine, XTOL) > 0 && nlopt_set_maxeval(engine, MAX_EVALUATIONS) > 0;
-    nlopt_result result = good ? nlopt_optimize(engine, tried, &reached) : NLOPT_FAILURE;
-    nlopt_destroy(engine);
+    bool good = nlopt.set_max_objective(engine, worth, search) > 0 && nlopt.set_lower_bounds1(engine, 0.0) > 0 &&
+                nlopt.set_upper_bounds1(engine, 1.0) > 0 && nlopt.set_initial_step1(engine, step) > 0 &&
+                nlopt.set_xtol_abs1(engine, XTOL) > 0 && nlopt.set_maxeval(engine, MAX_EVALUATIONS) > 0;
+    nlopt_result result = good ? nlopt.optimize(engine, tried, &reached) : NLOPT_FAILURE;
+    nlopt.destroy(engine);
     if (result <= 0 && result != NLOPT_ROUNDOFF_LIMITED)
         return dea_fail(error, DEA_ERR_SOLVER, "the search for the optimum failed (%s)",
-                        nlopt_result_to_string(result));
+                        nlopt.result_to_string(result));
     if (reached > *value) {
         *value = reached;
         memcpy(place, tried, sizeof tried);
