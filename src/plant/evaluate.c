@@ -151,13 +151,22 @@ double plant_algebraic_rate(const struct dea_plant *plant, double t, const doubl
     return by_x != 0.0 ? -by_time / by_x : 0.0;
 }
 
+/* A slack film's stretch moves with the charge and the branches. Their rates are the integrator's where it has any:
+ * worked out from the state, behind a small resistance or time constant, they are leftovers of Newton's iteration. */
 double plant_stretch_rate(const struct dea_plant *plant, int k, double rate_x) {
+    const struct zone_layout *zone = &plant->zones[k];
     const struct zone_point *point = &plant->points[k];
-    double e_rate = plant->zones[k].kind == DEA_PORT_SOURCE ? point->current - point->leak : point->e_rate;
+    const double *now = plant->rates_now, *scale = plant->scale;
+    double e_rate = zone->kind != DEA_PORT_SOURCE ? point->e_rate
+                    : now != NULL                 ? now[zone->charge] * scale[zone->charge]
+                                                  : point->current - point->leak;
     double rate = point->film.dlam_dx * rate_x + point->film.dlam_de * e_rate;
     for (int b = 0; b < plant->device->material.branch_count; b++)
-        for (int i = 0; i < 2; i++)
-            rate += point->film.dlam_dp1 * point->branches[b].dp1_dz[i] * point->branches[b].rate[i];
+        for (int i = 0; i < 2; i++) {
+            int state = zone->branch + 2 * b + i;
+            double z_rate = now != NULL ? now[state] * scale[state] : point->branches[b].rate[i];
+            rate += point->film.dlam_dp1 * point->branches[b].dp1_dz[i] * z_rate;
+        }
     return rate;
 }
 

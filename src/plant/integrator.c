@@ -289,13 +289,15 @@ static enum dea_status choose_first_step(struct dea_plant *plant, double limit, 
 /* Orders 3 to 5 of the BDF are unstable for an undamped oscillation once a step is a good part of its period: after a
  * ringing has died away they keep it alive at the tolerance, and the step with it, through hours of creep. Order 2 has
  * no such bound. It is taken while the platform moves far slower than it could swing, until the next corner of the
- * inputs, or until it moves again: a circuit gives no corners. */
+ * inputs, or until it moves again: a circuit gives no corners. One damped too much to swing needs it never. */
 static enum dea_status note_quiet(struct dea_plant *plant, struct dea_error *error) {
     double h = 0.0;
     if (plant->v == ABSENT || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
         return DEA_OK;
     const double *y = N_VGetArrayPointer(plant->y);
     double omega = sqrt(fmax(plant->device->stiffness, 0.0) / plant->device->effective_mass);
+    if (plant->device->damping >= 2.0 * omega * plant->device->effective_mass)
+        return DEA_OK;
     double swing = fabs(y[plant->v]) * plant->scale[plant->v];
     double size = omega * plant->largest[plant->x] * plant->scale[plant->x];
     if (plant->low_order)

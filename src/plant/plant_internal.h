@@ -96,7 +96,7 @@ struct dea_plant {
     double short_conductance[DEA_ZONES]; /* S */
 
     /* scratch of the last evaluation */
-    const double *rates_now; /* scaled derivatives that go with the state being evaluated; NULL: none needed */
+    const double *rates_now; /* scaled derivatives that go with the state being evaluated; NULL: none known */
     struct zone_point points[DEA_ZONES];
     double *imagined_states; /* of one film in the near future, with its branches */
     struct dea_branch_response *imagined_branches;

@@ -143,7 +143,7 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
     for (int k = 0; k < DEA_ZONES; k++)
         ideal = ideal || (plant->zones[k].present && plant->zones[k].kind == DEA_PORT_IDEAL);
     *velocity = plant_velocity(plant, y, yp);
-    plant->rates_now = yp;
+    plant->rates_now = plant->network != ABSENT ? yp : NULL;
     DEA_TRY(plant_evaluate(plant, t, y, *velocity, ideal || plant->motion == MOTION_ALGEBRAIC));
     if (plant->motion == MOTION_ALGEBRAIC) {
         double *rates = N_VGetArrayPointer(plant->rates);

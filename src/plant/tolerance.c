@@ -10,8 +10,9 @@
  * proportional to A, error/A grew as A^-0.16 (a BDF of order k passes tolerance^(k/(k+1)) on, k = 5 at most); it grows
  * in proportion to the number of free oscillations the run remembers (200 undamped cycles against 20: tenfold), more
  * where a drive sustains them at resonance, and as the root of the number of periods of a drive far above resonance,
- * whose errors the platform's velocity collects. Hence tolerance = 0.6 A^1.17 / (1 + 3 cycles + 2 sqrt(further periods
- * of the drive)) Where x stays below 1e-6 of the membrane's length, rounding of that length ends the error near 1e-7.
+ * whose errors the platform's velocity collects: or the place of one that creeps back slowly, or a film's charge behind
+ * a large resistance. Hence tolerance = 0.6 A^1.17 / (1 + 3 cycles + 2 sqrt(further periods of the drive)). Where x
+ * stays below 1e-6 of the membrane's length, rounding of that length ends the error near 1e-7.
  */
 #define TOLERANCE_FACTOR 0.6
 #define TOLERANCE_EXPONENT 1.17
@@ -65,12 +66,15 @@ static double branch_stiffness(const struct dea_device *device, const struct dea
     return sum;
 }
 
-/* Free oscillations over which an error is carried on, and the part of the run they take. */
-static double count_cycles(const struct dea_plant *plant, double *part) {
+/* Time after which the platform has forgotten an error, s, and the period of its free oscillation: INFINITY where it
+ * creeps back. */
+static double platform_memory(const struct dea_plant *plant, double *cycle) {
     const struct dea_device *device = plant->device;
-    *part = 0.0;
-    if (plant->motion != MOTION_INERTIAL || device->stiffness <= 0.0)
+    *cycle = INFINITY;
+    if (plant->motion == MOTION_ALGEBRAIC || device->stiffness <= 0.0)
         return 0.0;
+    if (plant->motion == MOTION_VISCOUS)
+        return device->damping / device->stiffness;
     double omega = sqrt(device->stiffness / device->effective_mass), resistance = device->damping;
     for (int b = 0; b < device->material.branch_count; b++) {
         const struct dea_branch *branch = &device->material.branches[b];
@@ -78,22 +82,51 @@ static double count_cycles(const struct dea_plant *plant, double *part) {
         resistance += branch_stiffness(device, branch) * branch->tau / (1.0 + turn * turn);
     }
     double rate = 0.5 * resistance / device->effective_mass; /* of the amplitude's decay, 1/s */
-    double cycle = 2.0 * M_PI / omega, memory = 1.0 / fmax(rate, DBL_MIN);
+    if (rate >= omega)
+        return (rate + sqrt(rate * rate - omega * omega)) / (omega * omega);
+    *cycle = 2.0 * M_PI / omega;
+    return 1.0 / fmax(rate, DBL_MIN);
+}
+
+/* The same of the film charges behind their resistances, in parallel with the films' own leakage. */
+static double charge_memory(const struct dea_plant *plant) {
+    double longest = 0.0;
+    for (int k = 0; k < DEA_ZONES; k++) {
+        if (!plant->zones[k].present || plant->zones[k].kind != DEA_PORT_SOURCE)
+            continue;
+        double lam = plant->device->prestretch[0], leak;
+        double resistance = plant->options.ports[k].resistance + dea_zone_resistance(plant->device, k, lam, NULL);
+        dea_zone_leakage(plant->device, k, lam, 0.0, &leak, NULL);
+        longest = fmax(longest, plant->device->zones[k].rest_capacitance / (1.0 / resistance + leak));
+    }
+    return longest;
+}
+
+/* Free oscillations over which an error is carried on. */
+static double count_cycles(const struct dea_plant *plant) {
+    double cycle, memory = platform_memory(plant, &cycle);
+    if (isinf(cycle))
+        return 0.0;
     double duration = plant->options.duration > 0.0 ? plant->options.duration : USUAL_CYCLES * cycle;
-    *part = fmin(memory / duration, 1.0);
     double count = fmin(memory, duration) / cycle;
     return memory > LOSSLESS * duration ? UNDAMPED * count : count;
 }
 
 double dea_plant_remembered_cycles(const struct dea_plant *plant) {
-    double part;
-    return count_cycles(plant, &part);
+    return count_cycles(plant);
+}
+
+/* Periods of the drive that are remembered, by the platform or by a charge that takes its time. */
+static double count_periods(const struct dea_plant *plant) {
+    double cycle, memory = fmax(platform_memory(plant, &cycle), charge_memory(plant));
+    double duration = plant->options.duration;
+    return duration > 0.0 ? plant->options.periods * fmin(memory / duration, 1.0) : 0.0;
 }
 
 /* How much an error grows by being carried on: over the free oscillations of the run, or those before damping has wiped
  * it out, and over faster periods of the drive in that time, whose errors add up at random. */
 static double weigh_memory(const struct dea_plant *plant) {
-    double part, cycles = count_cycles(plant, &part), driven = plant->options.periods * part;
+    double cycles = count_cycles(plant), driven = count_periods(plant);
     return PER_CYCLE * cycles + PER_PERIOD * sqrt(fmax(driven - cycles, 0.0));
 }
 
@@ -205,6 +238,7 @@ static double norm(const struct dea_plant *plant, const double *u, const double 
 static enum dea_status foresee_losses(struct dea_plant *plant, double t, const double *y, const double *yp,
                                       double *losses) {
     double velocity = plant_velocity(plant, y, yp);
+    plant->rates_now = plant->network != ABSENT ? yp : NULL;
     if (plant->v == ABSENT) {
         double *rates = N_VGetArrayPointer(plant->rates);
         DEA_TRY(plant_evaluate(plant, t, y, velocity, true));

@@ -45,7 +45,9 @@ static void test_scenes_keep_promise(void **context) {
     static const char *const scenes[] = {
         "tests/cases/amplifier_tight_current.yaml", "tests/cases/amplifier_chopped.yaml",
         "tests/cases/massless_leaking.yaml",        "tests/cases/slack_passive.yaml",
-        "tests/cases/sine_resonance.yaml",          "examples/rc_step.yaml"};
+        "tests/cases/sine_resonance.yaml",          "examples/rc_step.yaml",
+        "tests/cases/charge_far_from_settled.yaml", "tests/cases/creep_through_pulses.yaml",
+        "tests/cases/overdamped_sine.yaml",         "tests/cases/slack_near_ideal_source.yaml"};
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         char path[512];
         struct dea_scene scene = {0};
