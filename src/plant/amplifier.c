@@ -69,6 +69,7 @@ bool plant_limit_holds(const struct dea_plant *plant, int index, double value, d
 }
 
 void plant_release_limits(struct dea_plant *plant) {
+    plant_forget(plant);
     for (int i = 0; i < plant->limit_count; i++) {
         plant->limits[i].held = LIMIT_UNDECIDED;
         plant->limits[i].turns = false;
@@ -76,6 +77,7 @@ void plant_release_limits(struct dea_plant *plant) {
 }
 
 void plant_choose_limits(struct dea_plant *plant) {
+    plant_forget(plant);
     for (int i = 0; i < plant->limit_count; i++) {
         double demanded = demand(plant, &plant->limits[i], plant->t, NULL);
         plant->limits[i].held = fabs(demanded) <= 1.0 ? 0 : demanded > 0.0 ? 1 : -1;
@@ -136,6 +138,7 @@ bool plant_limits_turn(const struct dea_plant *plant) {
 }
 
 enum dea_status plant_turn_limits(struct dea_plant *plant) {
+    plant_forget(plant);
     for (int i = 0; i < plant->limit_count; i++) {
         struct held_limit *limit = &plant->limits[i];
         if (!limit->turns)

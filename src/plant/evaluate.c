@@ -4,6 +4,7 @@
 #include "plant/network.h"
 
 #include <math.h>
+#include <string.h>
 
 double plant_charge_value(const struct dea_charge_piece *piece, double t, double *rate) {
     double d = t - piece->start;
@@ -75,9 +76,32 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
     return DEA_OK;
 }
 
+/* The root functions look at the end of a step, and so do signals and limits after it. */
+static bool is_known(const struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives) {
+    const struct known_state *known = &plant->known;
+    return known->valid && known->t == t && known->rate_x == rate_x && known->with_derivatives >= with_derivatives &&
+           memcmp(known->y, y, (size_t)plant->state_count * sizeof *y) == 0;
+}
+
+void plant_remember(struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives) {
+    struct known_state *known = &plant->known;
+    known->valid = true;
+    known->with_derivatives = with_derivatives;
+    known->t = t;
+    known->rate_x = rate_x;
+    memcpy(known->y, y, (size_t)plant->state_count * sizeof *y);
+}
+
+void plant_forget(struct dea_plant *plant) {
+    plant->known.valid = false;
+}
+
 enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
                                bool with_derivatives) {
     const struct dea_device *device = plant->device;
+    if (is_known(plant, t, y, rate_x, with_derivatives))
+        return DEA_OK;
+    plant_forget(plant);
     double x = y[plant->x] * plant->scale[plant->x];
     plant->force = device->load + dea_piece_value(&plant->inputs.load, t, NULL);
     for (int k = 0; k < DEA_ZONES; k++) {
@@ -156,11 +180,13 @@ double plant_algebraic_rate(const struct dea_plant *plant, double t, const doubl
 double plant_stretch_rate(const struct dea_plant *plant, int k, double rate_x) {
     const struct zone_layout *zone = &plant->zones[k];
     const struct zone_point *point = &plant->points[k];
+    if (!point->film.slack)
+        return point->film.dlam_dx * rate_x;
     const double *now = plant->rates_now, *scale = plant->scale;
     double e_rate = zone->kind != DEA_PORT_SOURCE ? point->e_rate
                     : now != NULL                 ? now[zone->charge] * scale[zone->charge]
                                                   : point->current - point->leak;
-    double rate = point->film.dlam_dx * rate_x + point->film.dlam_de * e_rate;
+    double rate = point->film.dlam_de * e_rate;
     for (int b = 0; b < plant->device->material.branch_count; b++)
         for (int i = 0; i < 2; i++) {
             int state = zone->branch + 2 * b + i;

@@ -136,6 +136,7 @@ void dea_plant_destroy(struct dea_plant *plant) {
     free(plant->scale);
     free(plant->largest);
     free(plant->follows);
+    free(plant->known.y);
     free(plant->slots);
     free(plant->row_scale);
     free(plant->column_starts);
@@ -198,10 +199,12 @@ enum dea_status plant_restart_integrator(struct dea_plant *plant, struct dea_err
 
 void dea_plant_set_charge(struct dea_plant *plant, int zone, const struct dea_charge_piece *piece) {
     plant->inputs.charge[zone] = *piece;
+    plant_forget(plant);
 }
 
 void dea_plant_short_film(struct dea_plant *plant, int zone, double conductance) {
     plant->short_conductance[zone] = conductance;
+    plant_forget(plant);
 }
 
 /* ---- steps ---- */

@@ -110,7 +110,8 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error) 
     plant->scale = calloc((size_t)count, sizeof *plant->scale);
     plant->largest = calloc((size_t)count, sizeof *plant->largest);
     plant->follows = calloc((size_t)count, sizeof *plant->follows);
-    if (plant->scale == NULL || plant->largest == NULL || plant->follows == NULL)
+    plant->known.y = calloc((size_t)count, sizeof *plant->known.y);
+    if (plant->scale == NULL || plant->largest == NULL || plant->follows == NULL || plant->known.y == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d states", count);
     for (int k = 0; k < DEA_ZONES; k++) {
         int branches = device->material.branch_count;

@@ -80,6 +80,13 @@ struct tension_ahead {
     double rate;      /* its slope by time as the branches go on, W */
 };
 
+/* The state whose evaluation may be used again: see plant_remember. */
+struct known_state {
+    bool valid, with_derivatives;
+    double t, rate_x; /* s, m/s */
+    double *y;        /* scaled unknowns */
+};
+
 struct dea_plant {
     const struct dea_device *device;
     struct dea_plant_options options;
@@ -101,6 +108,7 @@ struct dea_plant {
     double *imagined_states; /* of one film in the near future, with its branches */
     struct dea_branch_response *imagined_branches;
     struct tension_ahead tension[DEA_ZONES];
+    struct known_state known;
     double force;            /* on the platform without damping, N */
     double force_x, force_v; /* its derivatives from load and stops, N/m, N s/m */
     double stop_loss;        /* W */
@@ -123,6 +131,7 @@ struct dea_plant {
 
     /* events */
     int event_count;
+    bool watches_stability; /* which needs derivatives */
     struct {
         enum dea_event_kind kind;
         int zone;
@@ -166,6 +175,10 @@ enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error);
 /* evaluate.c: fills points and force at time t from scaled unknowns. */
 enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
                                bool with_derivatives);
+/* Notes that points and force are those of this state: evaluating it again is free until another one is evaluated, or
+ * until inputs or limits change and it is forgotten. */
+void plant_remember(struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives);
+void plant_forget(struct dea_plant *plant);
 /* Right side of each differential unknown (scaled), with 0 for algebraic ones. Uses the last evaluation. */
 void plant_rates(const struct dea_plant *plant, double t, const double *y, double *rates);
 /* Rates of the energy balance, W, LOSS_COUNT of them. Uses the last evaluation. */
@@ -175,7 +188,7 @@ double plant_velocity(const struct dea_plant *plant, const double *y, const doub
 /* The same where 0 will not do for a platform without mass and damping, which only the integrator's derivative knows.
  */
 double plant_pace(const struct dea_plant *plant, const double *y, const double *yp);
-/* d(lam)/dt of an electroded zone, 1/s. Uses the last evaluation, with derivatives. */
+/* d(lam)/dt of an electroded zone, 1/s. Uses the last evaluation, with derivatives where the film is slack. */
 double plant_stretch_rate(const struct dea_plant *plant, int zone, double rate_x);
 /* dx/dt of a massless, undamped platform, from the derivative of the force balance. Uses the last evaluation. */
 double plant_algebraic_rate(const struct dea_plant *plant, double t, const double *rates);

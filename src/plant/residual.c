@@ -25,7 +25,12 @@ int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, vo
 
 enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const double *y, double velocity,
                                        double *losses) {
-    DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
+    DEA_TRY(plant_evaluate(plant, t, y, velocity, false));
+    bool slack = false;
+    for (int k = 0; k < DEA_ZONES; k++)
+        slack = slack || (plant->zones[k].present && plant->points[k].film.slack);
+    if (slack) /* whose stretch moves with everything */
+        DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
     plant_losses(plant, t, y[plant->x] * plant->scale[plant->x], velocity, losses);
     return DEA_OK;
 }

@@ -207,6 +207,7 @@ static enum dea_status find_rest(struct rest_task *task, const double *x, double
 enum dea_status dea_plant_rest_charges(struct dea_plant *plant, const double voltages[DEA_ZONES], enum dea_start start,
                                        const double *x, struct dea_plant_inputs *inputs, struct dea_error *error) {
     plant->inputs = *inputs;
+    plant_forget(plant);
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .voltages = voltages};
     double position;
     DEA_TRY(find_rest(&task, x, &position, error));
@@ -250,6 +251,7 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
                                 enum dea_start start, const double *x, const double *v, struct dea_error *error) {
     plant->inputs = *inputs;
     plant->trouble = NULL;
+    plant_forget(plant);
     plant_release_limits(plant);
     plant->t = plant->t_previous = t;
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
@@ -336,6 +338,7 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
 enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plant_inputs *inputs,
                                   struct dea_error *error) {
     plant->trouble = NULL;
+    plant_forget(plant);
     plant_release_limits(plant);
     if (book_jump(plant, inputs) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the jump of the drive leaves the model: %s", plant->t,
