@@ -10,6 +10,12 @@ static bool starts(const char *line, const char *with) {
     return strncmp(line, with, strlen(with)) == 0;
 }
 
+/* .save v(INSTANCE.q0), v(INSTANCE.i0) */
+static bool saves_film(const char *line) {
+    const char *dot = strrchr(line, '.');
+    return starts(line, ".save v(") && strchr("qi", dot[1]) != NULL && strlen(dot) == strlen(".q0)") && dot[3] == ')';
+}
+
 /* The generated subcircuit gives way to capacitors; what it offered for saving is saved no more. */
 static void write_deck(const struct dea_deck *deck, const struct dea_circuit_device *devices, int count, FILE *file) {
     bool inside = false;
@@ -27,8 +33,7 @@ static void write_deck(const struct dea_deck *deck, const struct dea_circuit_dev
             fprintf(file, "%s\n", line);
         } else if (starts(line, ".end") && !starts(line, ".ends")) {
             fprintf(file, ".options acct\n%s\n", line);
-        } else if (!inside && !(deck->origins[i] < 0 && starts(line, ".save") &&
-                                (strstr(line, ".q") != NULL || strstr(line, "#branch") != NULL))) {
+        } else if (!inside && !(deck->origins[i] < 0 && saves_film(line))) {
             fprintf(file, "%s\n", line);
         }
     }

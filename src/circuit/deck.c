@@ -55,11 +55,15 @@ static enum dea_status add_number(struct builder *builder, char letter, int i) {
 }
 
 /* Elements of one port; `film` is the name of the node behind the electrode resistance. The formulation is explained in
- * deck.h. */
-static enum dea_status add_port(struct builder *builder, const struct dea_port *port, int i, bool uic) {
+ * deck.h. A film against ground has one node less to be asked for in every expression. */
+static enum dea_status add_port(struct builder *builder, const struct dea_port *port, int i, bool grounded, bool uic) {
     double unit = dea_port_charge_unit(port);
-    char film[16];
+    char film[16], voltage[48];
     snprintf(film, sizeof film, "%s%d", port->resistance > 0.0 ? "f" : "p", i);
+    if (grounded)
+        snprintf(voltage, sizeof voltage, "V(%s)", film);
+    else
+        snprintf(voltage, sizeof voltage, "V(%s,n%d)", film, i);
     if (port->resistance > 0.0 && port->resistance_external) {
         DEA_TRY(add_number(builder, 'r', i));
         DEA_TRY(add(builder, -1, "Bre%d p%d f%d I=V(p%d,f%d)*%.17g/V(r%d)", i, i, i, i, i, 1.0 / port->resistance, i));
@@ -68,40 +72,51 @@ static enum dea_status add_port(struct builder *builder, const struct dea_port *
     }
 
     DEA_TRY(add_number(builder, 'c', i));
-    DEA_TRY(add(builder, -1, "Bq%d 0 q%d I=V(%s,n%d)*V(c%d)", i, i, film, i, i));
+    DEA_TRY(add(builder, -1, "Bq%d 0 i%d I=%s*V(c%d)", i, i, voltage, i));
     if (port->offset)
-        DEA_TRY(add(builder, -1, "Id%d 0 q%d external", i, i));
+        DEA_TRY(add(builder, -1, "Id%d 0 i%d external", i, i));
+    DEA_TRY(add(builder, -1, "Ga%d i%d 0 q%d 0 1", i, i, i));
+    DEA_TRY(add(builder, -1, "Gb%d 0 q%d i%d 0 1", i, i, i));
     if (uic)
-        DEA_TRY(add(builder, -1, "Lq%d q%d 0 %.17g ic=%.17g", i, i, unit, port->initial_charge / unit));
+        DEA_TRY(add(builder, -1, "Cq%d q%d 0 %.17g ic=%.17g", i, i, unit, port->initial_charge / unit));
     else
-        DEA_TRY(add(builder, -1, "Lq%d q%d 0 %.17g", i, i, unit));
-    DEA_TRY(add(builder, -1, "Gq%d %s n%d q%d 0 1", i, film, i, i));
+        DEA_TRY(add(builder, -1, "Cq%d q%d 0 %.17g", i, i, unit));
+    DEA_TRY(add(builder, -1, "Gq%d %s n%d i%d 0 1", i, film, i, i));
 
     if (port->may_short) {
         DEA_TRY(add_number(builder, 'h', i));
-        DEA_TRY(add(builder, -1, "Bh%d %s n%d I=V(%s,n%d)*V(h%d)", i, film, i, film, i, i));
+        DEA_TRY(add(builder, -1, "Bh%d %s n%d I=%s*V(h%d)", i, film, i, voltage, i));
     }
     if (port->conductivity > 0.0) {
         /* I = s0 A lam E exp(|E|/E_B), E = V lam / (t0 lp1) */
         double ohmic = port->conductivity * port->leakage_area / port->leakage_thickness;
         DEA_TRY(add_number(builder, 's', i));
         if (isinf(port->conductivity_field))
-            DEA_TRY(add(builder, -1, "Bg%d %s n%d I=%.17g*V(%s,n%d)*V(s%d)*V(s%d)", i, film, i, ohmic, film, i, i, i));
+            DEA_TRY(add(builder, -1, "Bg%d %s n%d I=%.17g*%s*V(s%d)*V(s%d)", i, film, i, ohmic, voltage, i, i));
         else
-            DEA_TRY(add(
-                builder, -1, "Bg%d %s n%d I=%.17g*V(%s,n%d)*V(s%d)*V(s%d)*exp(min(40,abs(V(%s,n%d))*V(s%d)*%.17g))", i,
-                film, i, ohmic, film, i, i, i, film, i, i, 1.0 / (port->leakage_thickness * port->conductivity_field)));
+            DEA_TRY(add(builder, -1, "Bg%d %s n%d I=%.17g*%s*V(s%d)*V(s%d)*exp(min(40,abs(%s)*V(s%d)*%.17g))", i, film,
+                        i, ohmic, voltage, i, i, voltage, i,
+                        1.0 / (port->leakage_thickness * port->conductivity_field)));
     }
     return DEA_OK;
 }
 
-static enum dea_status add_device(struct builder *builder, const struct dea_circuit_device *device, bool uic) {
+/* Whether the second pin of a port is at ground wherever the device is. */
+static bool is_grounded(const struct dea_netlist *netlist, int device, int port) {
+    for (int i = 0; i < netlist->instance_count; i++)
+        if (netlist->instances[i].device == device && strcmp(netlist->instances[i].nodes[2 * port + 1], "0") != 0)
+            return false;
+    return true;
+}
+
+static enum dea_status add_device(struct builder *builder, const struct dea_netlist *netlist, int index,
+                                  const struct dea_circuit_device *device, bool uic) {
     char pins[64] = "";
     for (int i = 0, used = 0; i < device->port_count; i++)
         used += snprintf(pins + used, sizeof pins - (size_t)used, "p%d n%d ", i, i);
     DEA_TRY(add(builder, -1, ".subckt %s %spos", device->name, pins));
     for (int i = 0; i < device->port_count; i++)
-        DEA_TRY(add_port(builder, &device->ports[i], i, uic));
+        DEA_TRY(add_port(builder, &device->ports[i], i, is_grounded(netlist, index, i), uic));
     DEA_TRY(add(builder, -1, "Vpos pos 0 external"));
     return add(builder, -1, ".ends");
 }
@@ -146,8 +161,8 @@ static enum dea_status save_instance(struct builder *builder, const struct dea_n
                 DEA_TRY(add(builder, -1, ".save v(%s)", instance->nodes[pin]));
         if (device->ports[i].resistance > 0.0)
             DEA_TRY(add(builder, -1, ".save v(%s.f%d)", instance->path, i));
+        DEA_TRY(add(builder, -1, ".save v(%s.i%d)", instance->path, i));
         DEA_TRY(add(builder, -1, ".save v(%s.q%d)", instance->path, i));
-        DEA_TRY(add(builder, -1, ".save l.%s.lq%d#branch", instance->path, i));
     }
     return DEA_OK;
 }
@@ -225,7 +240,7 @@ enum dea_status dea_deck_build(const struct dea_netlist *netlist, const struct d
         for (int earlier = 0; earlier < i; earlier++)
             first = first && netlist->instances[earlier].device != device;
         if (first)
-            DEA_TRY(add_device(&builder, &devices[device], options->uic));
+            DEA_TRY(add_device(&builder, netlist, device, &devices[device], options->uic));
     }
     DEA_TRY(add_options(&builder, options));
     DEA_TRY(add_saves(&builder, netlist, devices, options));

@@ -3,11 +3,15 @@
  * Per electroded zone the film is a charge Q = c V + q0 with c and q0 EXTERNAL numbers, in units of Q1 = rest
  * capacitance x 1 kV. The one product is the only thing ngspice has to derive: longer expressions cost more than a
  * converter's whole power stage.
- *     Bq 0 q I = V(p,n) V(c)
- *     Id 0 q external                                    q0, where the coupling asks for it
- *     Lq q 0 Q1 (1 V/A)                                  the state is the inductor's current: charge in units of Q1
- *     Gq p n q 0 1                                       1 V at q is 1 A of dQ/dt
- * External numbers come as currents: one straight into q, the others through 1 Ohm to be voltages (c above).
+ *     Bq 0 i I = V(p,n) V(c)
+ *     Id 0 i external                                    q0, where the coupling asks for it
+ *     Ga i 0 q 0 1                                       V(q): charge in units of Q1
+ *     Cq q 0 Q1                                          the state; Q1 as a number of farads
+ *     Gb 0 q i 0 1                                       V(i) = dQ/dt, 1 V per A
+ *     Gq p n i 0 1
+ * Ga, Gb and Cq are an inductor between i and ground. An inductor itself ngspice looks up by the name of its kind in
+ * every iteration, a fifth of what a circuit without any costs.
+ * External numbers come as currents: one straight into i, the others through 1 Ohm to be voltages (c above).
  * State of order 1, and a tolerance of vntol = 1 uA on the current: tighter than that, rounding noise C dV/dt of a kV
  * node stops ngspice with "timestep too small"; looser states (1 V = 1 A with unscaled charge, ngspice's own `C Q=`)
  * lose charge on an isolated node. */

@@ -120,6 +120,7 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
     if (engine == NULL || !engine->running)
         return 0;
     if (location == 0) { /* before the step from time to time + *delta */
+        dea_engine_forget_values(engine);
         if (engine->verdict != DEA_OK)
             return 0;
         const struct dea_engine_callbacks *callbacks = engine->callbacks;
@@ -344,7 +345,7 @@ enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, s
 void dea_engine_start_charge(struct dea_engine *engine, int instance, int port, double charge) {
     const struct dea_netlist_instance *called = &engine->netlist->instances[instance];
     char text[256];
-    snprintf(text, sizeof text, "alter @l.%s.lq%d[ic] = %.17g", called->path, port,
+    snprintf(text, sizeof text, "alter @c.%s.cq%d[ic] = %.17g", called->path, port,
              charge / dea_port_charge_unit(&engine->devices[called->device].ports[port]));
     dea_engine_command(text);
 }

@@ -27,7 +27,8 @@ enum dea_message_kind { DEA_MESSAGE_NOTE, DEA_MESSAGE_WARNING, DEA_MESSAGE_ERROR
 /* All callbacks run inside dea_engine_run, in its thread. Optional ones may be NULL. */
 struct dea_engine_callbacks {
     void *context;
-    /* Value of an external number at time t, SI. Called at every Newton iteration. `port` counts electroded zones. */
+    /* Value of an external number at time t, SI. Asked once in the iterations of one step at one time. `port` counts
+     * electroded zones. */
     double (*port_value)(void *context, int instance, int port, enum dea_external which, double t);
     /* Before the step from t to t + *delta; may shorten *delta, a longer one is ignored. Optional. */
     void (*before_step)(void *context, double t, double *delta);

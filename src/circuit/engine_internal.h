@@ -43,8 +43,9 @@ struct dea_external_source {
     const char *asked_as; /* ngspice's own pointer to that name, once seen */
     int instance, port;
     enum dea_external which;
-    int next;     /* index of the source ngspice asked for after this one */
-    double scale; /* ngspice sees value * scale */
+    int next;             /* index of the source ngspice asked for after this one */
+    double scale;         /* ngspice sees value * scale */
+    double told_at, told; /* s; what it has seen */
 };
 
 /* Where in ngspice's vector list a value of the sample comes from; -1: ground. */
@@ -108,6 +109,8 @@ enum dea_status dea_engine_judge_failure(struct dea_engine *engine, struct dea_e
 enum dea_status dea_engine_prepare_ports(struct dea_engine *engine, struct dea_error *error);
 void dea_engine_clear_ports(struct dea_engine *engine);
 double dea_engine_external_value(struct dea_engine *engine, const char *name, double t);
+/* An external number of one time is asked for once between two steps: from the next on it may be another. */
+void dea_engine_forget_values(struct dea_engine *engine);
 /* Finds the wanted vectors in ngspice's list; DEA_ERR_INPUT names a node that does not exist. */
 enum dea_status dea_engine_map_vectors(struct dea_engine *engine, const vecvaluesall *values, struct dea_error *error);
 /* Index of a node's or branch's vector; -1: ground, -2: not there. */

@@ -17,7 +17,8 @@ static enum dea_status add_source(struct dea_engine *engine, int instance, int p
                                   double scale, struct dea_error *error) {
     static const char letters[DEA_EXTERNAL_COUNT] = {'c', 'd', 'r', 's', 'h', 'p'};
     struct dea_external_source *source = &engine->sources[engine->source_count];
-    *source = (struct dea_external_source){.instance = instance, .port = port, .which = which, .scale = scale};
+    *source = (struct dea_external_source){
+        .instance = instance, .port = port, .which = which, .scale = scale, .told_at = NAN};
     const char *path = engine->netlist->instances[instance].path;
     int made = which == DEA_EXTERNAL_POSITION ? asprintf(&source->name, "v.%s.vpos", path)
                                               : asprintf(&source->name, "i.%s.i%c%d", path, letters[which], port);
@@ -72,8 +73,18 @@ double dea_engine_external_value(struct dea_engine *engine, const char *name, do
     }
     engine->last_source = before->next;
     engine->stats.iterations += source == engine->sources;
-    const struct dea_engine_callbacks *callbacks = engine->callbacks;
-    return source->scale * callbacks->port_value(callbacks->context, source->instance, source->port, source->which, t);
+    if (t != source->told_at) {
+        const struct dea_engine_callbacks *callbacks = engine->callbacks;
+        source->told_at = t;
+        source->told =
+            source->scale * callbacks->port_value(callbacks->context, source->instance, source->port, source->which, t);
+    }
+    return source->told;
+}
+
+void dea_engine_forget_values(struct dea_engine *engine) {
+    for (int i = 0; i < engine->source_count; i++)
+        engine->sources[i].told_at = NAN;
 }
 
 /* ---- samples ---- */
@@ -96,8 +107,8 @@ static enum dea_status map_port(struct dea_engine *engine, int instance, int por
     struct dea_port_vectors *vectors = &engine->vectors[instance * DEA_ZONES + port];
     char film[300], current[300], charge[300];
     snprintf(film, sizeof film, "%s.f%d", called->path, port);
-    snprintf(current, sizeof current, "%s.q%d", called->path, port);
-    snprintf(charge, sizeof charge, "l.%s.lq%d#branch", called->path, port);
+    snprintf(current, sizeof current, "%s.i%d", called->path, port);
+    snprintf(charge, sizeof charge, "%s.q%d", called->path, port);
     vectors->p = dea_engine_find_vector(values, called->nodes[2 * port]);
     vectors->n = dea_engine_find_vector(values, called->nodes[2 * port + 1]);
     vectors->film = engine->devices[called->device].ports[port].resistance > 0.0 ? dea_engine_find_vector(values, film)

@@ -110,27 +110,29 @@ static void fit_cubic(const struct window_point *first, const struct window_poin
     piece->c[3] = -b / (h * h * h);
 }
 
-/* Largest running integral of the difference of squares over the points, by Simpson on each step. */
-static double worst_impulse(const struct window *window, size_t first, size_t last,
-                            const struct dea_charge_piece *piece) {
-    double sum = 0.0, worst = 0.0, before = 0.0;
+/* Whether the running integral of the difference of squares stays within a tolerance over the points, by Simpson on
+ * each step. */
+static bool is_close(const struct window *window, size_t first, size_t last, double tolerance,
+                     const struct dea_charge_piece *piece) {
+    double sum = 0.0, before = 0.0;
     for (size_t n = first; n < last; n++) {
         const struct window_point *a = &window->points[n], *b = &window->points[n + 1];
         double h = b->t - a->t, middle = 0.5 * (a->q + b->q) + 0.125 * h * (a->after - b->before);
         double fit_middle = piece_value(piece, a->t + 0.5 * h, NULL), fit_end = piece_value(piece, b->t, NULL);
         double at_middle = middle * middle - fit_middle * fit_middle, at_end = b->q * b->q - fit_end * fit_end;
-        sum += h / 6.0 * (before + 4.0 * at_middle + at_end);
+        sum += h * (1.0 / 6.0) * (before + 4.0 * at_middle + at_end);
+        if (!(fabs(sum) <= tolerance))
+            return false;
         before = at_end;
-        worst = fmax(worst, fabs(sum));
     }
-    return worst;
+    return true;
 }
 
 size_t window_fit(const struct window *window, size_t first, size_t last, double tolerance,
                   struct dea_charge_piece *piece) {
     while (last > first + 1) {
         window_hermite(&window->points[first], &window->points[last], piece); /* smooth at its ends */
-        if (worst_impulse(window, first, last, piece) <= tolerance)
+        if (is_close(window, first, last, tolerance, piece))
             return last;
         double m0 = 0.0, m1 = 0.0, step0, step1;
         for (size_t n = first; n < last; n++) {
@@ -139,7 +141,7 @@ size_t window_fit(const struct window *window, size_t first, size_t last, double
             m1 += step1;
         }
         fit_cubic(&window->points[first], &window->points[last], m0, m1, piece);
-        if (worst_impulse(window, first, last, piece) <= tolerance)
+        if (is_close(window, first, last, tolerance, piece))
             return last;
         last = first + (last - first) / 2;
     }
