@@ -1,6 +1,7 @@
 /* SUNDIALS IDA around the plant: set-up, steps, restarts, statistics, and words for its failures. */
 #include "plant/integrator.h"
 #include "plant/amplifier.h"
+#include "plant/network.h"
 #include "plant/vectors.h"
 
 #include <math.h>
@@ -85,6 +86,8 @@ enum dea_status dea_plant_create(const struct dea_device *device, const struct d
     for (int k = 0; k < DEA_ZONES; k++)
         plant->inputs.source[k].end = INFINITY;
     enum dea_status status = plant_lay_out(plant, error);
+    if (status == DEA_OK)
+        status = plant_network_remember(plant, error);
     if (status == DEA_OK) {
         plant_list_limits(plant);
         plant_set_tolerance(plant);

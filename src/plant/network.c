@@ -12,6 +12,11 @@
 #define HOLD_CONDUCTANCE 1e10  /* S; of a node that .ic holds */
 #define OPEN_CONDUCTANCE 1e-15 /* S; holds nodes that only capacitors touch while the operating point is solved */
 
+/* An inductor's current is judged by no less than this part of what it would carry if it rang with a film at full
+ * voltage: what a smaller error of it does to the voltages is far below their own tolerance. Judged by itself where it
+ * is small, the circuit is made to ring by the very errors allowed to its voltages, and all steps follow that. */
+#define RINGING_PART 0.1
+
 /* ---- layout ---- */
 
 enum dea_status plant_network_lay_out(struct dea_plant *plant, int *count, struct dea_error *error) {
@@ -40,6 +45,14 @@ void plant_network_scale(struct dea_plant *plant) {
     for (int i = 0; i < plant->network_count; i++) {
         plant->scale[plant->network + i] = i < network->node_count ? volts : amperes;
         plant->row_scale[i] = i < network->node_count ? amperes : volts;
+    }
+    for (size_t s = 0; s < network->capacitance_count; s++) {
+        const struct dea_stamp *stamp = &network->capacitances[s];
+        int unknown = plant->network + stamp->row;
+        if (stamp->row == stamp->column && stamp->row >= network->node_count) {
+            double swing = volts * sqrt(capacitance / fabs(stamp->value)); /* A */
+            plant->largest[unknown] = fmax(plant->largest[unknown], RINGING_PART * swing / amperes);
+        }
     }
     /* a row is as large as its largest term */
     for (size_t s = 0; s < network->conductance_count; s++) {
@@ -302,7 +315,9 @@ static enum dea_status step_implicitly(struct dea_plant *plant, double h) {
         double worst = 0.0;
         for (int i = 0; i < n; i++) {
             y[i] += delta[i];
-            worst = fmax(worst, fabs(delta[i]) / fmax(fabs(y[i]), 1.0));
+            bool follows = i >= plant->network && plant->options.network->imposed[i - plant->network];
+            if (!follows) /* a source's current into a film is the difference of two charges over so short a time */
+                worst = fmax(worst, fabs(delta[i]) / fmax(fabs(y[i]), 1.0));
         }
         /* until nothing moves any more, or only rounding does */
         bool rounding = worst <= 1e-9 && worst >= 0.5 * last;

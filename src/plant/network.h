@@ -8,6 +8,10 @@
 enum dea_status plant_network_lay_out(struct dea_plant *plant, int *count, struct dea_error *error);
 void plant_network_scale(struct dea_plant *plant);
 
+/* network_modes.c: how many cycles of ringing, and for how long, the circuit remembers. Nothing without a network, or
+ * where the length of the run is not known. */
+enum dea_status plant_network_remember(struct dea_plant *plant, struct dea_error *error);
+
 /* Voltage between a zone's pins, V. */
 double plant_network_port_voltage(const struct dea_plant *plant, int zone, const double *y);
 

@@ -100,6 +100,7 @@ struct dea_plant {
     double *scale;                       /* SI per unit of each unknown */
     int network, network_count;          /* first unknown of the linear circuit, ABSENT without; how many */
     double *row_scale;                   /* of the circuit's rows, A or V */
+    double ringing, creep;               /* what the circuit remembers: cycles of its own, s; see network_modes.c */
     double short_conductance[DEA_ZONES]; /* S */
 
     /* scratch of the last evaluation */
