@@ -2,12 +2,11 @@
 #include "cli/fit_print.h"
 
 #include "deasim/gnuplot.h"
+#include "deasim/new_file.h"
 #include "deasim/result.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #define MAX_PATH 4096
 #define CURVE_POINTS 400
@@ -20,34 +19,24 @@ static bool is_creep(const struct fit_answer *answer) {
     return answer->branches && answer->model.kind == DEA_STEP_CREEP;
 }
 
-/* Opens DIR/NAME for writing and tells its path. */
-static enum dea_status open_in(const char *directory, const char *name, const char *mode, char path[MAX_PATH],
-                               FILE **file, struct dea_error *error) {
+/* Opens DIR/NAME for writing. */
+static enum dea_status open_in(const char *directory, const char *name, char path[MAX_PATH], struct dea_new_file *made,
+                               struct dea_error *error) {
     if (snprintf(path, MAX_PATH, "%s/%s", directory, name) >= MAX_PATH)
         return dea_fail(error, DEA_ERR_INPUT, "the folder name is too long");
-    *file = fopen(path, mode);
-    if (*file == NULL)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", path, strerror(errno));
-    return DEA_OK;
-}
-
-static enum dea_status close_written(FILE *file, const char *path, struct dea_error *error) {
-    bool bad = ferror(file) != 0;
-    if (fclose(file) != 0 || bad)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s is incomplete: %s", path, strerror(errno));
-    return DEA_OK;
+    return dea_new_file_open(path, made, error);
 }
 
 static enum dea_status write_csv(const struct fit_answer *answer, const char *directory, struct dea_error *error) {
     char path[MAX_PATH];
-    FILE *file;
-    DEA_TRY(open_in(directory, "fit.csv", "we", path, &file, error));
+    struct dea_new_file made;
+    DEA_TRY(open_in(directory, "fit.csv", path, &made, error));
     const char *unit = is_creep(answer) ? "1" : "Pa", *word = is_creep(answer) ? "strain" : "stress";
-    fprintf(file, "%s,%s [%s],fit [%s]\n", answer->branches ? "time [s]" : "stretch [1]", word, unit, unit);
+    fprintf(made.file, "%s,%s [%s],fit [%s]\n", answer->branches ? "time [s]" : "stretch [1]", word, unit, unit);
     for (size_t i = 0; i < answer->data.count; i++)
-        fprintf(file, "%.12g,%.12g,%.12g\n", answer->data.values[0][i], answer->data.values[1][i],
+        fprintf(made.file, "%.12g,%.12g,%.12g\n", answer->data.values[0][i], answer->data.values[1][i],
                 answer_at(answer, answer->data.values[0][i]));
-    return close_written(file, path, error);
+    return dea_new_file_finish(&made, DEA_OK, error);
 }
 
 static void write_script(const struct fit_answer *answer, FILE *file) {
@@ -77,16 +66,13 @@ static void write_script(const struct fit_answer *answer, FILE *file) {
 }
 
 enum dea_status fit_draw(const struct fit_answer *answer, const char *directory, struct dea_error *error) {
-    char script[MAX_PATH], picture[MAX_PATH];
-    FILE *file;
+    char script[MAX_PATH], picture[MAX_PATH + 8];
+    struct dea_new_file made;
     DEA_TRY(dea_directory_make(directory, error));
     DEA_TRY(write_csv(answer, directory, error));
-    DEA_TRY(open_in(directory, "fit.gnuplot", "we", script, &file, error));
-    write_script(answer, file);
-    DEA_TRY(close_written(file, script, error));
-    DEA_TRY(open_in(directory, "fit.gnuplot", "re", script, &file, error));
-    snprintf(picture, sizeof picture, "%.*s/fit.png", MAX_PATH - 16, directory);
-    enum dea_status status = dea_gnuplot_draw(file, picture, error);
-    fclose(file);
-    return status;
+    DEA_TRY(open_in(directory, "fit.gnuplot", script, &made, error));
+    write_script(answer, made.file);
+    DEA_TRY(dea_new_file_finish(&made, DEA_OK, error));
+    snprintf(picture, sizeof picture, "%s/fit.png", directory);
+    return dea_gnuplot_draw_file(script, picture, error);
 }

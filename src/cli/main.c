@@ -1,7 +1,10 @@
 /* deasim: picks the command. */
 #include "cli/cli.h"
+#include "deasim/status.h"
 
+#include <errno.h>
 #include <locale.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -30,23 +33,33 @@ static void print_help(FILE *file) {
                   "are kept), 4 internal\n");
 }
 
+/* An answer that did not all get out is none, whatever the command thinks of it. */
+static int check_answer(const char *command, int code) {
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout)) /* the latter remembers a write that failed on the way */
+        return code;
+    fprintf(stderr, "deasim %s: the answer could not be written: %s\n", command, strerror(errno != 0 ? errno : EIO));
+    return code != 0 ? code : dea_exit_code(DEA_ERR_OUTPUT);
+}
+
 int main(int argc, char **argv) {
-    setlocale(LC_ALL, "C"); /* numbers are read and written with a point, everywhere */
+    setlocale(LC_ALL, "C");   /* numbers are read and written with a point, everywhere */
+    signal(SIGXFSZ, SIG_IGN); /* a limit on file sizes is a full disk: the write fails and is reported */
     if (argc < 2) {
         print_help(stderr);
         return 2;
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_help(stdout);
-        return 0;
+        return check_answer("--help", 0);
     }
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
         puts("deasim " DEASIM_VERSION);
-        return 0;
+        return check_answer("--version", 0);
     }
     for (int i = 0; i < COMMANDS; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
-            return commands[i].run(argc - 1, argv + 1);
+            return check_answer(commands[i].name, commands[i].run(argc - 1, argv + 1));
     fprintf(stderr, "deasim: unknown command \"%s\"; commands are:", argv[1]);
     for (int i = 0; i < COMMANDS; i++)
         fprintf(stderr, " %s", commands[i].name);

@@ -6,6 +6,8 @@
 #include "cli/range.h"
 
 #include "deasim/map.h"
+#include "deasim/new_file.h"
+#include "deasim/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -173,8 +175,22 @@ static void print_summary(const struct map_options *options, const struct dea_ma
         printf(" %s/map.png\n", options->directory);
 }
 
+/* Before hours of work: can its files be written? */
+static enum dea_status try_files(const struct map_options *options, struct dea_error *error) {
+    static const char *const names[] = {"map.csv", "map.gnuplot", "map.png"};
+    DEA_TRY(dea_directory_make(options->directory, error));
+    for (int i = 0; i < (options->no_picture ? 1 : 3); i++) {
+        char path[4096];
+        if (snprintf(path, sizeof path, "%s/%s", options->directory, names[i]) >= (int)sizeof path)
+            return dea_fail(error, DEA_ERR_INPUT, "the folder name is too long");
+        DEA_TRY(dea_new_file_try(path, error));
+    }
+    return DEA_OK;
+}
+
 static enum dea_status run(struct map_options *options, struct dea_error *error) {
     struct dea_map_best best;
+    DEA_TRY(try_files(options, error));
     DEA_TRY(dea_map_fill(&options->map, options->threads, error));
     DEA_TRY(dea_map_find_best(&options->map, &best, error));
     DEA_TRY(dea_map_write_csv(&options->map, options->directory, error));

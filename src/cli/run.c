@@ -2,6 +2,7 @@
 #include "deasim/run.h"
 #include "cli/cli.h"
 #include "cli/options.h"
+#include "deasim/new_file.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -37,9 +38,6 @@ static void catch_signals(void) {
     struct sigaction action = {.sa_handler = interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    /* a limit on file sizes is a full disk: the write fails and is reported */
-    action.sa_handler = SIG_IGN;
-    sigaction(SIGXFSZ, &action, NULL);
 }
 
 /* The log lives beside the results; opening it also finds out whether DIR can be written. */
@@ -48,6 +46,7 @@ static enum dea_status open_log(const char *directory, FILE **log, struct dea_er
     DEA_TRY(dea_directory_make(directory, error));
     if (snprintf(path, sizeof path, "%s/log.txt", directory) >= (int)sizeof path)
         return dea_fail(error, DEA_ERR_INPUT, "%s: the path is too long", directory);
+    DEA_TRY(dea_new_file_check(path, error));
     /* append, line by line: a netlist's run writes to it from a process of its own */
     if ((unlink(path) != 0 && errno != ENOENT) || (*log = fopen(path, "a")) == NULL ||
         setvbuf(*log, NULL, _IOLBF, 0) != 0)
@@ -57,7 +56,6 @@ static enum dea_status open_log(const char *directory, FILE **log, struct dea_er
 
 static enum dea_status print_result(const struct cli_options *options, const struct dea_scene *scene,
                                     const struct dea_result *result, struct dea_error *error) {
-    errno = 0;
     if (options->json) {
         char *json = dea_summary_json(scene, result);
         if (json == NULL)
@@ -67,8 +65,6 @@ static enum dea_status print_result(const struct cli_options *options, const str
     } else if (!options->quiet) {
         dea_summary_print(scene, result, stdout);
     }
-    if (fflush(stdout) != 0 || ferror(stdout)) /* the latter remembers a write that failed on the way */
-        return dea_fail(error, DEA_ERR_OUTPUT, "cannot write the summary: %s", strerror(errno != 0 ? errno : EIO));
     return DEA_OK;
 }
 

@@ -162,8 +162,6 @@ int cli_static(int argc, char **argv) {
         fputs(usage, stdout);
     else if (status == DEA_OK)
         status = run(&options, &error);
-    if (status == DEA_OK && (fflush(stdout) != 0 || ferror(stdout)))
-        status = dea_fail(&error, DEA_ERR_OUTPUT, "the answer could not be written");
     cli_clear_options(&options.common);
     return status == DEA_OK ? 0 : cli_report("static", &error);
 }

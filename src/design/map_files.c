@@ -2,9 +2,9 @@
 #include "deasim/map.h"
 
 #include "deasim/gnuplot.h"
+#include "deasim/new_file.h"
 #include "deasim/result.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,38 +33,29 @@ static enum dea_status join_path(const char *directory, const char *name, char p
     return DEA_OK;
 }
 
-static enum dea_status open_file(const char *directory, const char *name, FILE **file, struct dea_error *error) {
+static enum dea_status open_file(const char *directory, const char *name, struct dea_new_file *made,
+                                 struct dea_error *error) {
     char path[MAX_PATH];
     DEA_TRY(join_path(directory, name, path, error));
     DEA_TRY(dea_directory_make(directory, error));
-    *file = fopen(path, "we");
-    if (*file == NULL)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", path, strerror(errno));
-    return DEA_OK;
-}
-
-static enum dea_status close_file(FILE *file, const char *directory, const char *name, struct dea_error *error) {
-    bool bad = ferror(file) != 0;
-    if (fclose(file) != 0 || bad)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s/%s is incomplete: %s", directory, name, strerror(errno));
-    return DEA_OK;
+    return dea_new_file_open(path, made, error);
 }
 
 enum dea_status dea_map_write_csv(const struct dea_map *map, const char *directory, struct dea_error *error) {
-    FILE *file;
-    DEA_TRY(open_file(directory, "map.csv", &file, error));
-    fprintf(file, "%s [%s],%s [%s],%s [%s],mode\n", dea_design_keys[map->x.key].name,
+    struct dea_new_file made;
+    DEA_TRY(open_file(directory, "map.csv", &made, error));
+    fprintf(made.file, "%s [%s],%s [%s],%s [%s],mode\n", dea_design_keys[map->x.key].name,
             dea_design_keys[map->x.key].si_unit, dea_design_keys[map->y.key].name, dea_design_keys[map->y.key].si_unit,
             dea_map_quantity_name(map->quantity), quantities[map->quantity].si_unit);
     for (int row = 0; row < map->y.count; row++) {
         double y = dea_map_axis_value(&map->y, row);
         for (int column = 0; column < map->x.count; column++) {
             size_t at = (size_t)row * (size_t)map->x.count + (size_t)column;
-            fprintf(file, "%.12g,%.12g,%.12g,%s\n", dea_map_axis_value(&map->x, column), y, map->values[at],
+            fprintf(made.file, "%.12g,%.12g,%.12g,%s\n", dea_map_axis_value(&map->x, column), y, map->values[at],
                     dea_limit_names[map->modes[at]]);
         }
     }
-    return close_file(file, directory, "map.csv", error);
+    return dea_new_file_finish(&made, DEA_OK, error);
 }
 
 /* ---- picture ---- */
@@ -227,19 +218,11 @@ static enum dea_status write_script(FILE *file, const struct dea_map *map, const
 
 enum dea_status dea_map_draw(const struct dea_map *map, const struct dea_map_best *best, const char *directory,
                              struct dea_error *error) {
-    FILE *file;
+    struct dea_new_file made;
     char script[MAX_PATH], picture[MAX_PATH];
     DEA_TRY(join_path(directory, "map.gnuplot", script, error));
     DEA_TRY(join_path(directory, "map.png", picture, error));
-    DEA_TRY(open_file(directory, "map.gnuplot", &file, error));
-    enum dea_status status = write_script(file, map, best, directory, error);
-    enum dea_status closed = close_file(file, directory, "map.gnuplot", status == DEA_OK ? error : NULL);
-    DEA_TRY(status);
-    DEA_TRY(closed);
-    file = fopen(script, "re");
-    if (file == NULL)
-        return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", script, strerror(errno));
-    status = dea_gnuplot_draw(file, picture, error);
-    fclose(file);
-    return status;
+    DEA_TRY(open_file(directory, "map.gnuplot", &made, error));
+    DEA_TRY(dea_new_file_finish(&made, write_script(made.file, map, best, directory, error), error));
+    return dea_gnuplot_draw_file(script, picture, error);
 }

@@ -1,9 +1,9 @@
 /* gnuplot as a child process: script in, whole PNG out. */
 #include "deasim/gnuplot.h"
+#include "deasim/new_file.h"
 #include "output_internal.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,24 +77,19 @@ static bool is_whole_png(int picture) {
 }
 
 enum dea_status dea_gnuplot_draw(FILE *script, const char *path, struct dea_error *error) {
-    char *part;
-    if (asprintf(&part, "%s.part", path) < 0)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %s", path);
-    int picture = open(part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    enum dea_status status = DEA_OK;
-    if (picture < 0) {
-        status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-    } else {
-        status = run_gnuplot(script, picture, error);
-        if (status == DEA_OK && !is_whole_png(picture))
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: gnuplot wrote no whole picture (is the disk full?)", path);
-        if (close(picture) != 0 && status == DEA_OK)
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-        if (status == DEA_OK && rename(part, path) != 0)
-            status = dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(errno));
-        if (status != DEA_OK)
-            unlink(part);
-    }
-    free(part);
+    struct dea_new_file picture;
+    DEA_TRY(dea_new_file_open(path, &picture, error));
+    enum dea_status status = run_gnuplot(script, fileno(picture.file), error);
+    if (status == DEA_OK && !is_whole_png(fileno(picture.file)))
+        status = dea_fail(error, DEA_ERR_OUTPUT, "%s: gnuplot wrote no whole picture (is the disk full?)", path);
+    return dea_new_file_finish(&picture, status, error);
+}
+
+enum dea_status dea_gnuplot_draw_file(const char *script, const char *path, struct dea_error *error) {
+    FILE *file = fopen(script, "re");
+    if (file == NULL)
+        return dea_fail(error, DEA_ERR_OUTPUT, "%s: %s", script, strerror(errno));
+    enum dea_status status = dea_gnuplot_draw(file, path, error);
+    fclose(file);
     return status;
 }

@@ -128,6 +128,8 @@ enum dea_status dea_plot_run(const char *directory, char **png_path, struct dea_
     struct dea_panel panels[DEA_PANELS];
     int count;
     *png_path = NULL;
+    if (directory[0] == '\0')
+        return dea_fail(error, DEA_ERR_INPUT, "a result folder needs a name; . is this one");
     char *path;
     if (asprintf(&path, "%s/result.png", directory) < 0)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the path %s/result.png", directory);

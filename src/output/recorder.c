@@ -1,4 +1,5 @@
 /* Streams rows to the result files of a run and answers for what is in them. */
+#include "deasim/new_file.h"
 #include "output_internal.h"
 
 #include <errno.h>
@@ -31,11 +32,13 @@ void dea_header_text(const char *text, char *copy, size_t limit) {
 }
 
 enum dea_status dea_directory_make(const char *directory, struct dea_error *error) {
+    if (directory[0] == '\0')
+        return dea_fail(error, DEA_ERR_INPUT, "a result folder needs a name; . is this one");
     char *path = strdup(directory);
     if (path == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the path %s", directory);
     /* Every prefix that ends before a slash, then the whole. What exists already is judged at the end. */
-    int trouble = path[0] == '\0' ? ENOENT : 0;
+    int trouble = 0;
     for (char *slash = path + 1; trouble == 0 && *slash != '\0'; slash++) {
         if (*slash != '/')
             continue;
@@ -69,11 +72,10 @@ static enum dea_status remove_stale(const char *directory, struct dea_error *err
     for (size_t i = 0; i < sizeof stale_files / sizeof stale_files[0]; i++) {
         char *path;
         DEA_TRY(join_path(directory, stale_files[i], &path, error));
-        int trouble = unlink(path) == 0 || errno == ENOENT ? 0 : errno;
-        enum dea_status status = DEA_OK;
-        if (trouble != 0)
+        enum dea_status status = dea_new_file_check(path, error);
+        if (status == DEA_OK && unlink(path) != 0 && errno != ENOENT)
             status = dea_fail(error, DEA_ERR_INPUT, "%s: the file of an earlier run cannot be replaced: %s", path,
-                              strerror(trouble));
+                              strerror(errno));
         free(path);
         DEA_TRY(status);
     }

@@ -1,13 +1,11 @@
 /* summary.json: the machine-readable end of a run. Keys of the contract, and a few more beside them. */
+#include "deasim/new_file.h"
 #include "output_internal.h"
 
 #include <cJSON.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- values; each returns false when out of memory ---- */
 
@@ -165,38 +163,6 @@ char *dea_summary_json(const struct dea_scene *scene, const struct dea_result *r
 
 /* ---- the file ---- */
 
-/* Writes text to the open file and closes it; 0 or an errno. */
-static int write_and_close(int descriptor, const char *text) {
-    FILE *file = fdopen(descriptor, "w");
-    if (file == NULL) {
-        int trouble = errno;
-        close(descriptor);
-        return trouble;
-    }
-    errno = 0;
-    bool good = fputs(text, file) >= 0 && fputc('\n', file) != EOF && fflush(file) == 0;
-    int trouble = good ? 0 : errno;
-    if (fclose(file) != 0 && trouble == 0)
-        trouble = errno;
-    return good || trouble != 0 ? trouble : EIO;
-}
-
-/* Through a file beside it, so that readers see the old text or the new one. */
-static enum dea_status replace_file(const char *path, const char *text, struct dea_error *error) {
-    char *part;
-    if (asprintf(&part, "%s.part", path) < 0)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %s", path);
-    int descriptor = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    int trouble = descriptor < 0 ? errno : write_and_close(descriptor, text);
-    if (trouble == 0 && rename(part, path) != 0)
-        trouble = errno;
-    if (trouble != 0 && descriptor >= 0)
-        unlink(part);
-    free(part);
-    return trouble == 0 ? DEA_OK
-                        : dea_fail(error, DEA_ERR_OUTPUT, "%s: cannot be written: %s", path, strerror(trouble));
-}
-
 enum dea_status dea_summary_write(const char *directory, const struct dea_scene *scene, const struct dea_result *result,
                                   struct dea_error *error) {
     char *path, *text = dea_summary_json(scene, result);
@@ -204,7 +170,15 @@ enum dea_status dea_summary_write(const char *directory, const struct dea_scene 
         free(text);
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the summary of %s", directory);
     }
-    enum dea_status status = replace_file(path, text, error);
+    struct dea_new_file made;
+    struct dea_error why;
+    enum dea_status status = dea_new_file_open(path, &made, &why);
+    if (status == DEA_OK) {
+        fprintf(made.file, "%s\n", text);
+        status = dea_new_file_finish(&made, DEA_OK, &why);
+    }
+    if (status != DEA_OK) /* also where the folder went away since the run began */
+        status = dea_fail(error, DEA_ERR_OUTPUT, "%s", why.text);
     free(path);
     free(text);
     return status;

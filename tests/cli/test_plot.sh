@@ -18,6 +18,8 @@ expect 0 "$DEASIM" plot --help
 has out "usage: deasim plot DIR"
 expect 2 "$DEASIM" plot
 has err "deasim plot: name a result folder"
+expect 2 "$DEASIM" plot ""
+has err "deasim plot: a result folder needs a name; . is this one"
 expect 2 "$DEASIM" plot --colour
 has err "deasim plot --help"
 

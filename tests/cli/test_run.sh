@@ -165,5 +165,5 @@ done
 
 # a full terminal is not success
 expect 3 bash -c "'$DEASIM' run scene.yaml >/dev/full"
-has err "cannot write the summary: No space left on device"
+has err "deasim run: the answer could not be written: No space left on device"
 expect 3 bash -c "'$DEASIM' run scene.yaml --json >/dev/full"
