@@ -141,13 +141,20 @@ static enum dea_status sample_port(struct coupled *coupled, int index, int port,
     return DEA_OK;
 }
 
+/* Capacitance halfway through a circuit step; where it hardly changes, the mean of its ends will do. */
+static double find_middle(const struct coupled *coupled, int port, const struct window_point *a,
+                          const struct window_point *b) {
+    double middle = 0.5 * (a->t + b->t), c = 0.5 * (a->capacitance + b->capacitance);
+    if (fabs(b->capacitance - a->capacitance) >= STEADY * a->capacitance)
+        coupled_film_voltage(coupled, port, middle, window_value(a, b, middle, NULL), &c);
+    return c;
+}
+
 /* Work on the film over one circuit step. With V = Q/C, int V dQ = [Q V / 2] + (1/2) int V^2 dC: the bracket is exact
- * and C changes slowly, however fast the charge rings; where it hardly changes, its mean will do for the middle. Losses
- * in R_e and leakage by trapezoids. */
-static void book_work(struct coupled *coupled, int port, const struct window_point *a, const struct window_point *b) {
-    double h = b->t - a->t, middle = 0.5 * (a->t + b->t), q = window_value(a, b, middle, NULL);
+ * and C changes slowly, however fast the charge rings. Losses in R_e and leakage by trapezoids. */
+static void book_work(struct coupled *coupled, const struct window_point *a, const struct window_point *b) {
+    double h = b->t - a->t, v = window_value(a, b, 0.5 * (a->t + b->t), NULL) / b->middle;
     double c0 = a->capacitance, c1 = b->capacitance, v0 = a->q / c0, v1 = b->q / c1;
-    double v = fabs(c1 - c0) < STEADY * c0 ? 2.0 * q / (c0 + c1) : coupled_film_voltage(coupled, port, middle, q, NULL);
     coupled->books.film_work += 0.5 * (b->q * v1 - a->q * v0) + (v0 * v0 + 4.0 * v * v + v1 * v1) / 12.0 * (c1 - c0);
     coupled->books.resistive += 0.5 * h *
                                 ((a->port_voltage - a->film_voltage) * (a->after + a->leak) +
@@ -171,7 +178,14 @@ static void note_points(const struct coupled *coupled, int index, struct observe
     }
 }
 
-/* The run stops where the plant is, at t, between points that have been booked already. */
+/* Capacitance at a part of the interval from a to b, by the parabola through its ends and middle. */
+static double capacitance_at(const struct window_point *a, const struct window_point *b, double part) {
+    return a->capacitance * (1.0 - part) * (1.0 - 2.0 * part) + 4.0 * b->middle * part * (1.0 - part) +
+           b->capacitance * part * (2.0 * part - 1.0);
+}
+
+/* The run stops where the plant is, at t, between points that have been booked already: with the capacitances of then,
+ * for the films have gone on. */
 static void book_until(struct coupled *coupled, int index, double t, struct observer *observer) {
     coupled->books = coupled->books_at_exchange;
     for (int p = 0; p < coupled->port_count; p++) {
@@ -183,14 +197,15 @@ static void book_until(struct coupled *coupled, int index, double t, struct obse
                 double part = (t - a->t) / (b->t - a->t);
                 end.t = t;
                 end.q = window_value(a, b, t, &end.before);
-                coupled_film_voltage(coupled, p, t, end.q, &end.capacitance);
+                end.capacitance = capacitance_at(a, b, part);
+                end.middle = capacitance_at(a, b, 0.5 * part);
                 end.film_voltage += (1.0 - part) * (a->film_voltage - b->film_voltage);
                 end.port_voltage += (1.0 - part) * (a->port_voltage - b->port_voltage);
                 end.leak += (1.0 - part) * (a->leak - b->leak);
                 end.stretch += (1.0 - part) * (a->stretch - b->stretch);
                 note_point(coupled, index, p, &end, observer);
             }
-            book_work(coupled, p, a, &end);
+            book_work(coupled, a, &end);
         }
     }
 }
@@ -201,8 +216,10 @@ static enum dea_status settle_interval(struct coupled *coupled, int index, size_
     coupled->pending = false;
     for (int p = 0; p < coupled->port_count; p++) {
         window_find_rates(&coupled->windows[p], n - 1);
-        const struct window_point *a = &coupled->windows[p].points[n - 1], *b = a + 1;
-        book_work(coupled, p, a, b);
+        const struct window_point *a = &coupled->windows[p].points[n - 1];
+        struct window_point *b = &coupled->windows[p].points[n];
+        b->middle = find_middle(coupled, p, a, b);
+        book_work(coupled, a, b);
         DEA_TRY(sample_port(coupled, index, p, a, b, observer, error));
     }
     return DEA_OK;

@@ -15,6 +15,7 @@ struct window_point {
     double before, after;              /* A, at the end of the interval before, at the start of the one after */
     double film_voltage, port_voltage; /* V */
     double leak, stretch, capacitance; /* A, 1, F: charge over film voltage */
+    double middle; /* F, capacitance halfway through the interval that ends here, once its work has been booked */
 };
 
 struct window {

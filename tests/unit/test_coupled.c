@@ -1,5 +1,6 @@
 /* Devices in circuits of every kind: they run, their books close, and a tenth of the accuracy changes no more than it
  * may. Then single traits of one device between plant and circuit. */
+#include "capture.h"
 #include "coupled_capture.h"
 #include "coupled_cases.h"
 
@@ -206,6 +207,22 @@ static void test_breakdown_stops(void **state) {
     free_rows(&linear);
 }
 
+/* The books of a film that breaks down between two points of the circuit, slack and its capacitance on the rise. */
+static void test_breakdown_of_slack_film(void **state) {
+    (void)state;
+    struct dea_scene scene = {0};
+    struct dea_error error;
+    if (dea_scene_read(SOURCE_ROOT "/tests/cases/breakdown_of_slack_film.yaml", NULL, 0, &scene, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    struct capture run;
+    capture_run(&scene, 1e-3, 500, &run);
+    assert_int_equal(run.status, DEA_STOPPED);
+    if (!(run.result.coupling_error <= 1e-4 && run.result.energy.imbalance <= 1e-4))
+        fail_msg("coupling error %g, imbalance %g", run.result.coupling_error, run.result.energy.imbalance);
+    capture_free(&run);
+    dea_scene_clear(&scene);
+}
+
 /* A punctured film is 1 kOhm from then on; the platform goes home. Compare tests/cases/breakdown_short.yaml. */
 static void test_breakdown_shorts(void **state) {
     (void)state;
@@ -252,6 +269,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_rest_under_bias, set_up_folder, tear_down_folder),
         cmocka_unit_test_setup_teardown(test_start_from_initial_conditions, set_up_folder, tear_down_folder),
         cmocka_unit_test_setup_teardown(test_breakdown_stops, set_up_folder, tear_down_folder),
+        cmocka_unit_test(test_breakdown_of_slack_film),
         cmocka_unit_test_setup_teardown(test_breakdown_shorts, set_up_folder, tear_down_folder),
         cmocka_unit_test_setup_teardown(test_breakdown_at_the_start, set_up_folder, tear_down_folder),
     };
