@@ -18,6 +18,10 @@
 #define TINY_WINDOW 5000    /* candidates in a row, all shorter than ... */
 #define TINY_SHARE 1e-11    /* ... this share of the run, are a collapse */
 
+#define STEP_MARGIN 0.9 /* of the step ngspice proposes, where that is between these parts of the last one */
+#define LEAST_RATIO 0.5
+#define LARGEST_RATIO 1.9
+
 /* The engine ngspice's callbacks serve. ngspice itself is one per process, and so is this. */
 static struct dea_engine *current_engine;
 static bool library_started, library_dead;
@@ -109,6 +113,15 @@ static int give_value(double *value, double t, char *name, int id, void *context
     return 0;
 }
 
+/* ngspice takes the very step its truncation estimate allows; where the solution bends more in the next one it rejects
+ * that: one in six. Steps that grow fast, that a corner or a limit has cut, or the longest ones keep their length: a
+ * corner must be met, not approached. */
+static double keep_margin(const struct dea_engine *engine, double delta) {
+    bool free = delta > LEAST_RATIO * engine->last_step && delta < LARGEST_RATIO * engine->last_step &&
+                delta < STEP_MARGIN * engine->longest;
+    return free ? STEP_MARGIN * delta : delta;
+}
+
 static int steer_step(double time, double *delta, double old_delta, int redo, int id, int location, void *context) {
     (void)id;
     (void)context;
@@ -129,6 +142,7 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
             callbacks->before_step(callbacks->context, time, &wanted);
         if (engine->switches != NULL)
             wanted = fmin(wanted, dea_switches_limit(engine->switches, fmin(wanted, *delta), engine->options->stop));
+        wanted = fmin(wanted, keep_margin(engine, *delta));
         if (wanted < *delta)
             *delta = fmax(wanted, fmin(*delta, engine->floor));
         return 0;
@@ -140,6 +154,7 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
         return 0;
     }
     record_step(engine, time, old_delta, DEA_STEP_ACCEPTED);
+    engine->last_step = old_delta;
     check_progress(engine, time, old_delta);
     if (engine->stats.points > 1 && (engine->stats.shortest == 0.0 || old_delta < engine->stats.shortest))
         engine->stats.shortest = old_delta;
@@ -361,7 +376,9 @@ enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *erro
     engine->stop_sent = false;
     engine->step_count = engine->window_first = engine->tiny_steps = 0;
     engine->window_start = 0.0;
-    engine->floor = 1e-10 * dea_deck_longest_step(engine->options); /* ten times what ngspice itself goes down to */
+    engine->longest = dea_deck_longest_step(engine->options);
+    engine->last_step = 0.0;
+    engine->floor = 1e-10 * engine->longest; /* ten times what ngspice itself goes down to */
     engine->stats = (struct dea_engine_stats){0};
     for (int i = 0; i < engine->breakpoint_count; i++)
         if (!spice.set_breakpoint(engine->breakpoints[i]))

@@ -78,6 +78,7 @@ struct dea_engine {
     bool running, stop_sent;
     enum dea_status verdict;       /* of the callbacks: DEA_OK while going on */
     double floor;                  /* shortest step we ask for, s */
+    double longest, last_step;     /* s: ngspice's largest step, and the last it accepted */
     struct dea_switches *switches; /* owned; NULL: none */
     struct dea_step_record steps[DEA_STEPS_KEPT];
     long step_count;     /* candidates so far */

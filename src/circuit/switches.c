@@ -11,8 +11,8 @@
 #include <string.h>
 #include <strings.h>
 
-#define CLOSE 1e-12       /* of the run: this near to its threshold a switch may turn */
-#define CLOSE_PART 1e-4   /* of the last step: the same */
+#define CLOSE 1e-12       /* of the run: the least step that passes a threshold */
+#define CLOSE_PART 1e-2   /* of the step before: the length of the one that passes a threshold */
 #define MOST_LANDINGS 5.0 /* in a row, then one in five points: a control that hovers must not stop the run */
 #define LANDING_CREDIT 0.2
 
@@ -25,6 +25,7 @@ struct control {
     bool known, is_on;
     double values[POINTS]; /* at the last accepted points, the latest first */
     double credit;         /* landings allowed */
+    double passing;        /* s: just before its threshold, the step that passes it; else 0 */
 };
 
 struct dea_switches {
@@ -252,10 +253,14 @@ double dea_switches_limit(struct dea_switches *switches, double delta, double du
             turn = expect_turn(switches, control, control->on);
         if (!control->known || control->is_on)
             turn = fmin(turn, expect_turn(switches, control, control->off));
-        if (!(turn < delta) || turn <= close || control->credit < 1.0)
-            continue;
-        control->credit -= 1.0;
-        limited = fmin(limited, turn - 0.5 * close);
+        if (control->passing > 0.0) {
+            limited = fmin(limited, control->passing);
+            control->passing = 0.0;
+        } else if (turn < delta && control->credit >= 1.0) {
+            control->credit -= 1.0;
+            control->passing = turn > close ? close : 0.0;
+            limited = fmin(limited, turn > close ? turn - 0.5 * close : turn + 0.5 * close);
+        }
     }
     return limited;
 }
