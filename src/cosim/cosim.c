@@ -24,12 +24,18 @@
 /* A swing below these parts of A, in capacitance and of the largest displacement, is left out: the platform rests. */
 #define REST_SHARE 0.1
 #define REST_SHARE_OF_POSITION 0.25
-#define FIT_SHARE 0.01          /* of A, to the charge fits */
+#define FIT_SHARE 0.004         /* of A, to the charge fits */
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
 #define PAST_CORNER 1e-9 /* of the run */
 #define MAX_REST_ROUNDS 50
+/* The operating point the devices rest at is found this much more closely than Newton's iterations are ended in the
+ * run: antagonists rest where two large forces balance. The run's own may miss it by some of its tolerances. */
+#define REST_PRECISION 1e-3
+#define LEAST_RELTOL 1e-10
+#define REST_MISS 20.0
+#define SAME_REST 1e-10 /* relative, between two rounds */
 #define MAX_POINTS 4096 /* of the circuit between two exchanges: memory stays flat, and the fits linear */
 
 struct cosim {
@@ -39,8 +45,8 @@ struct cosim {
     const struct cosim_control *control;
     struct dea_channel *channel;
     struct dea_engine *engine;
-    struct dea_deck deck;
-    struct dea_deck_options deck_options;
+    struct dea_deck deck, rest_deck; /* the latter: for a closer operating point */
+    struct dea_deck_options deck_options, rest_options;
     struct dea_circuit_device *circuit_devices; /* per scene device */
     struct coupled *devices;                    /* per instance */
     struct observed *observed;
@@ -52,6 +58,7 @@ struct cosim {
     bool resting;          /* looking for the common operating point */
     double *rest_voltages; /* DEA_ZONES per instance: film voltages the devices rest at */
     double rest_change;    /* largest relative change of the last round */
+    double rest_agreed;    /* relative: the round that changes less runs on */
     /* exchange */
     double horizon, exchanged_at, reached, slowest; /* s */
     bool rests;                                     /* swings that are small enough are left out */
@@ -205,24 +212,31 @@ static enum dea_status begin_observing(struct cosim *run, struct dea_error *erro
 }
 
 /* One round of the search for the operating point: how far are the film voltages from those the devices rest at? */
-static enum dea_status compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
-    run->rest_change = 0.0;
+static double compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
+    double change = 0.0;
     for (int i = 0; i < run->count; i++) {
         for (int p = 0; p < run->devices[i].port_count; p++) {
-            double *kept = &run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
-            run->rest_change = fmax(run->rest_change, fabs(found - *kept) / fmax(fabs(found), 1.0));
-            *kept = found;
+            double kept = run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
+            change = fmax(change, fabs(found - kept) / fmax(fabs(found), 1.0));
         }
     }
-    return DEA_OK;
+    return change;
+}
+
+static void keep_rest(struct cosim *run, const struct dea_circuit_point *point) {
+    for (int i = 0; i < run->count; i++)
+        for (int p = 0; p < run->devices[i].port_count; p++)
+            run->rest_voltages[i * DEA_ZONES + p] = point->ports[i * DEA_ZONES + p].film_voltage;
 }
 
 static enum dea_status take_point(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct cosim *run = context;
     if (run->resting) {
-        DEA_TRY(compare_rest(run, point));
-        if (run->rest_change > 1e-10)
+        run->rest_change = compare_rest(run, point);
+        if (run->rest_change > run->rest_agreed) {
+            keep_rest(run, point);
             return DEA_STOPPED;
+        }
         run->resting = false;
         DEA_TRY(begin_observing(run, error));
         for (int i = 0; i < run->count; i++)
@@ -295,32 +309,67 @@ static enum dea_status start_from_initials(struct cosim *run, struct dea_error *
     return DEA_OK;
 }
 
-/* Operating point and static equilibrium together: the circuit's film voltages and the devices' rest at them are
- * iterated until they agree; the round that agrees runs on. */
-static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
+/* Loads the circuit and runs it: to its first point while the devices' rest is looked for, to the end otherwise. */
+static enum dea_status run_round(struct cosim *run, const struct dea_deck *deck, const struct dea_deck_options *options,
+                                 double agreed, struct dea_error *error) {
     struct dea_engine_callbacks callbacks = {.context = run,
                                              .port_value = answer,
                                              .before_step = limit_step,
                                              .accepted = take_point,
                                              .message = pass_message};
+    DEA_TRY(rest_devices(run, error));
+    run->resting = !options->uic;
+    run->rest_agreed = agreed;
+    run->reached = run->exchanged_at = 0.0;
+    run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
+    if (run->control->horizon > 0.0)
+        run->horizon = run->control->horizon;
+    DEA_TRY(
+        dea_engine_load(run->engine, run->netlist, deck, run->circuit_devices, options, &callbacks, error));
+    if (options->uic)
+        DEA_TRY(start_from_initials(run, error));
+    return dea_engine_run(run->engine, error);
+}
+
+/* The film voltages of the operating point, more closely than the run itself will find them; *found is false when
+ * ngspice does not converge that far. Without leakage they do not depend on how the devices rest. */
+static enum dea_status find_rest(struct cosim *run, bool *found, struct dea_error *error) {
+    bool depends = false;
+    for (int i = 0; i < run->count; i++)
+        depends = depends || run->devices[i].device->material.dielectric.conductivity > 0.0;
+    *found = false;
+    for (int round = 0; round < MAX_REST_ROUNDS && !*found; round++) {
+        enum dea_status status = run_round(run, &run->rest_deck, &run->rest_options, -1.0, error);
+        if (status == DEA_ERR_SOLVER)
+            return DEA_OK;
+        if (status != DEA_STOPPED || !run->resting)
+            return status;
+        *found = !depends || run->rest_change <= SAME_REST;
+    }
+    return DEA_OK;
+}
+
+/* Operating point and static equilibrium together: the circuit's film voltages and the devices' rest at them are
+ * iterated until they agree; the round that agrees runs on. */
+static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
+    bool closer = !run->deck_options.uic && run->rest_options.reltol < run->deck_options.reltol;
+    double agreed = SAME_REST;
     for (int round = 0; round < MAX_REST_ROUNDS; round++) {
-        DEA_TRY(rest_devices(run, error));
-        run->resting = !run->deck_options.uic;
-        run->reached = run->exchanged_at = 0.0;
-        run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
-        if (run->control->horizon > 0.0)
-            run->horizon = run->control->horizon;
-        DEA_TRY(dea_engine_load(run->engine, run->netlist, &run->deck, run->circuit_devices, &run->deck_options,
-                                &callbacks, error));
-        if (run->deck_options.uic)
-            DEA_TRY(start_from_initials(run, error));
-        enum dea_status status = dea_engine_run(run->engine, error);
-        if (run->resting && status == DEA_STOPPED)
-            continue;
-        if (status == DEA_OK && run->status != DEA_OK)
-            return report_failure(run, error);
-        run->result->circuit_gave_up = status == DEA_ERR_SOLVER && run->status == DEA_OK && run->reached > 0.0;
-        return status;
+        enum dea_status status = run_round(run, &run->deck, &run->deck_options, agreed, error);
+        if (!run->resting || status != DEA_STOPPED) {
+            if (status == DEA_OK && run->status != DEA_OK)
+                return report_failure(run, error);
+            run->result->circuit_gave_up = status == DEA_ERR_SOLVER && run->status == DEA_OK && run->reached > 0.0;
+            return status;
+        }
+        agreed = SAME_REST;
+        if (closer) {
+            bool found;
+            DEA_TRY(find_rest(run, &found, error));
+            if (found)
+                agreed = REST_MISS * run->deck_options.reltol;
+            closer = false;
+        }
     }
     return dea_fail(error, DEA_ERR_SOLVER,
                     "the operating point of circuit and devices was not found in %d rounds: the film voltages still "
@@ -379,6 +428,7 @@ static void settle_books(struct cosim *run) {
 static void clear_run(struct cosim *run) {
     dea_engine_close(run->engine);
     dea_deck_clear(&run->deck);
+    dea_deck_clear(&run->rest_deck);
     for (int i = 0; run->devices != NULL && i < run->count; i++)
         coupled_clear(&run->devices[i]);
     free(run->circuit_devices);
@@ -404,8 +454,12 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         status = create_devices(&run, error);
     if (status == DEA_OK) {
         cosim_choose_tolerances(scene, netlist, run.stop, control->relaxed, &run.deck_options);
+        run.rest_options = run.deck_options;
+        run.rest_options.reltol = fmax(REST_PRECISION * run.deck_options.reltol, LEAST_RELTOL);
         status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
     }
+    if (status == DEA_OK)
+        status = dea_deck_build(netlist, run.circuit_devices, &run.rest_options, &run.rest_deck, error);
     if (status == DEA_OK)
         status = dea_engine_open(&run.engine, error);
     if (status == DEA_OK)

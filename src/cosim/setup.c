@@ -11,7 +11,7 @@
  * is noise in the differences truncation is judged by, so trtol must not be small; and at the operating point nothing
  * follows that would make it good. */
 #define NEWTON_SHARE 0.03
-#define TRUNCATION_FACTOR 2.5
+#define TRUNCATION_FACTOR 1.25
 /* Charges below this part of what the film can hold are not resolved any finer: rounding would stop ngspice. */
 #define SMALLEST_CHARGE 1e-3
 /* Where ngspice cannot step at these tolerances (junctions and edges at tight ones), both are loosened by this factor
