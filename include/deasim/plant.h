@@ -121,6 +121,10 @@ double dea_outlook_position(const struct dea_outlook *outlook, double t);
 /* The same with velocity (m/s) and acceleration (m/s^2). */
 double dea_outlook_motion(const struct dea_outlook *outlook, double t, double *velocity, double *acceleration);
 
+/* When the position first passes an end stop, to it or off it, within a time `horizon` (s) of the outlook's start: s,
+ * INFINITY when it does not. */
+double dea_outlook_contact(const struct dea_outlook *outlook, const struct dea_device *device, double horizon);
+
 /* One film as the circuit sees it. */
 struct dea_film_outlook {
     double stretch, capacitance; /* 1, F */

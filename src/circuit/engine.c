@@ -21,6 +21,9 @@
 #define STEP_MARGIN 0.9 /* of the step ngspice proposes, where that is between these parts of the last one */
 #define LEAST_RATIO 0.5
 #define LARGEST_RATIO 1.9
+/* Of a rejected step, at least, for the next attempt: right after a corner ngspice's estimate may send it down a
+ * hundredfold, to where it measures rounding only and every step is too long. */
+#define LEAST_CUT 0.1
 
 /* The engine ngspice's callbacks serve. ngspice itself is one per process, and so is this. */
 static struct dea_engine *current_engine;
@@ -151,6 +154,7 @@ static int steer_step(double time, double *delta, double old_delta, int redo, in
         engine->stats.rejected++;
         record_step(engine, time + old_delta, old_delta, DEA_STEP_REJECTED);
         check_progress(engine, time, old_delta);
+        *delta = fmax(*delta, LEAST_CUT * old_delta);
         return 0;
     }
     record_step(engine, time, old_delta, DEA_STEP_ACCEPTED);

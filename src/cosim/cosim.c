@@ -29,6 +29,9 @@
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
 #define PAST_CORNER 1e-9 /* of the run */
+/* Of the horizon: an exchange this soon after the platform has met a stop knows the stop's force, and little has
+ * happened yet. */
+#define PAST_CONTACT 1e-3
 #define MAX_REST_ROUNDS 50
 /* The operating point the devices rest at is found this much more closely than Newton's iterations are ended in the
  * run: antagonists rest where two large forces balance. The run's own may miss it by some of its tolerances. */
@@ -169,6 +172,8 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
         DEA_TRY(coupled_renew(&run->devices[i], run->horizon, error));
         if (device->device->effective_mass > 0.0 && !device->at_rest && run->rests)
             run->horizon = fmin(run->horizon, SWING_REACH * natural_time(device->device));
+        double contact = coupled_next_contact(device, run->horizon) - run->reached;
+        run->horizon = fmin(run->horizon, contact + PAST_CONTACT * run->horizon);
         double corner = coupled_next_corner(device) - run->reached; /* of the load: nothing is foreseen beyond it */
         if (corner > 0.0)                                           /* one that is missed by rounding is passed soon */
             run->horizon = fmin(run->horizon, fmax(corner, PAST_CORNER * run->stop));

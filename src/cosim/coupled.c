@@ -79,6 +79,10 @@ double coupled_next_corner(const struct coupled *coupled) {
     return coupled->load != NULL ? coupled->inputs.load.end : INFINITY;
 }
 
+double coupled_next_contact(const struct coupled *coupled, double horizon) {
+    return dea_outlook_contact(&coupled->outlook, coupled->device, horizon);
+}
+
 enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltages, enum dea_start start,
                              const double *x, const double *v, struct dea_error *error) {
     struct dea_plant_inputs *inputs = &coupled->inputs;

@@ -75,6 +75,9 @@ enum dea_status coupled_rest(struct coupled *coupled, const double *film_voltage
 /* Film charge of a port at the last circuit point, C. */
 double coupled_charge(const struct coupled *coupled, int port);
 
+/* When the platform is foreseen to meet or leave an end stop within `horizon` (s): s; INFINITY otherwise. */
+double coupled_next_contact(const struct coupled *coupled, double horizon);
+
 /* Next corner of the load after the plant's time, s; INFINITY without one. */
 double coupled_next_corner(const struct coupled *coupled);
 

@@ -11,6 +11,9 @@
  * the stretch has changed by no more than that part. */
 #define SURELY_TAUT 0.1
 #define NEAR_STRETCH 0.01
+/* Looking for contact with an end stop: places within the horizon, and how closely of it the time is found. */
+#define CONTACT_PARTS 8
+#define CONTACT_PRECISION 1e-6
 
 /* What moves the net force besides x and v: charges, branches, the load; N/s. Also net stiffness, N/m. */
 static double drift_force(const struct dea_plant *plant, double *stiffness) {
@@ -175,6 +178,34 @@ double dea_outlook_motion(const struct dea_outlook *outlook, double t, double *v
         *acceleration -= outlook->fast * decay / (settling * settling);
     }
     return position;
+}
+
+static bool is_off_stops(const struct dea_device *device, double x) {
+    return x >= device->stops[0] && x <= device->stops[1];
+}
+
+double dea_outlook_contact(const struct dea_outlook *outlook, const struct dea_device *device, double horizon) {
+    if (!device->has_stops)
+        return INFINITY;
+    bool off = is_off_stops(device, outlook->x[0]);
+    double before = 0.0, after = 0.0;
+    for (int part = 1; part <= CONTACT_PARTS && after == 0.0; part++) {
+        double ahead = part * horizon / CONTACT_PARTS;
+        if (is_off_stops(device, dea_outlook_position(outlook, outlook->start + ahead)) != off)
+            after = ahead;
+        else
+            before = ahead;
+    }
+    if (after == 0.0)
+        return INFINITY;
+    while (after - before > CONTACT_PRECISION * horizon) {
+        double middle = 0.5 * (before + after);
+        if (is_off_stops(device, dea_outlook_position(outlook, outlook->start + middle)) == off)
+            before = middle;
+        else
+            after = middle;
+    }
+    return outlook->start + after;
 }
 
 /* A zone's film with branches that have gone on at their rates since the last look ahead. */
