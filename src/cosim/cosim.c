@@ -2,9 +2,7 @@
  * grows too old, the plants catch up and give a new one. The circuit's steps are only ever shortened, nothing is
  * redone, charge is conserved by construction. The mismatch between the capacitance promised and the one that came true
  * is the error estimate that sets how far an outlook may reach. */
-#include "cosim/cosim.h"
-
-#include "cosim/coupled.h"
+#include "cosim/cosim_internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,42 +30,7 @@
 /* Of the horizon: an exchange this soon after the platform has met a stop knows the stop's force, and little has
  * happened yet. */
 #define PAST_CONTACT 1e-3
-#define MAX_REST_ROUNDS 50
-/* The operating point the devices rest at is found this much more closely than Newton's iterations are ended in the
- * run: antagonists rest where two large forces balance. The run's own may miss it by some of its tolerances. */
-#define REST_PRECISION 1e-3
-#define LEAST_RELTOL 1e-10
-#define REST_MISS 20.0
-#define SAME_REST 1e-10 /* relative, between two rounds */
 #define MAX_POINTS 4096 /* of the circuit between two exchanges: memory stays flat, and the fits linear */
-
-struct cosim {
-    const struct dea_scene *scene;
-    const struct dea_netlist *netlist;
-    const struct dea_run_options *options;
-    const struct cosim_control *control;
-    struct dea_channel *channel;
-    struct dea_engine *engine;
-    struct dea_deck deck, rest_deck; /* the latter: for a closer operating point */
-    struct dea_deck_options deck_options, rest_options;
-    struct dea_circuit_device *circuit_devices; /* per scene device */
-    struct coupled *devices;                    /* per instance */
-    struct observed *observed;
-    int count;
-    struct observer *observer;
-    struct dea_result *result;
-    double stop;
-    /* start */
-    bool resting;          /* looking for the common operating point */
-    double *rest_voltages; /* DEA_ZONES per instance: film voltages the devices rest at */
-    double rest_change;    /* largest relative change of the last round */
-    double rest_agreed;    /* relative: the round that changes less runs on */
-    /* exchange */
-    double horizon, exchanged_at, reached, slowest; /* s */
-    bool rests;                                     /* swings that are small enough are left out */
-    enum dea_status status;                         /* of a callback that cannot fail */
-    struct dea_error failure;
-};
 
 /* ---- devices ---- */
 
@@ -204,7 +167,7 @@ static void limit_step(void *context, double t, double *delta) {
 }
 
 /* First row, and what is beyond a limit from the start. */
-static enum dea_status begin_observing(struct cosim *run, struct dea_error *error) {
+enum dea_status cosim_begin_observing(struct cosim *run, struct dea_error *error) {
     DEA_TRY(observer_start(run->observer, error));
     for (int i = 0; i < run->count; i++) {
         int zone;
@@ -216,34 +179,12 @@ static enum dea_status begin_observing(struct cosim *run, struct dea_error *erro
     return DEA_OK;
 }
 
-/* One round of the search for the operating point: how far are the film voltages from those the devices rest at? */
-static double compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
-    double change = 0.0;
-    for (int i = 0; i < run->count; i++) {
-        for (int p = 0; p < run->devices[i].port_count; p++) {
-            double kept = run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
-            change = fmax(change, fabs(found - kept) / fmax(fabs(found), 1.0));
-        }
-    }
-    return change;
-}
-
-static void keep_rest(struct cosim *run, const struct dea_circuit_point *point) {
-    for (int i = 0; i < run->count; i++)
-        for (int p = 0; p < run->devices[i].port_count; p++)
-            run->rest_voltages[i * DEA_ZONES + p] = point->ports[i * DEA_ZONES + p].film_voltage;
-}
-
 static enum dea_status take_point(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct cosim *run = context;
     if (run->resting) {
-        run->rest_change = compare_rest(run, point);
-        if (run->rest_change > run->rest_agreed) {
-            keep_rest(run, point);
+        if (!cosim_rest_agrees(run, point))
             return DEA_STOPPED;
-        }
-        run->resting = false;
-        DEA_TRY(begin_observing(run, error));
+        DEA_TRY(cosim_begin_observing(run, error));
         for (int i = 0; i < run->count; i++)
             DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, &point->ports[i * DEA_ZONES], run->observer, error));
         return DEA_OK;
@@ -275,112 +216,6 @@ static void pass_message(void *context, enum dea_message_kind kind, const char *
 }
 
 /* ---- the run ---- */
-
-static enum dea_status rest_devices(struct cosim *run, struct dea_error *error) {
-    const struct dea_scene *scene = run->scene;
-    for (int i = 0; i < run->count; i++)
-        DEA_TRY(coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start,
-                             scene->has_initial_x ? &scene->initial_x : NULL,
-                             scene->has_initial_v ? &scene->initial_v : NULL, error));
-    return DEA_OK;
-}
-
-double cosim_initial_voltage(const struct dea_netlist *netlist, const char *node) {
-    for (int i = 0; i < netlist->initial_count; i++)
-        if (strcmp(netlist->initials[i].node, node) == 0)
-            return netlist->initials[i].value;
-    return 0.0;
-}
-
-/* With uic the films start at what .ic gives their electrodes, at rest, whatever the circuit does next. */
-static enum dea_status start_from_initials(struct cosim *run, struct dea_error *error) {
-    for (int i = 0; i < run->count; i++) {
-        char *const *nodes = run->netlist->instances[i].nodes;
-        for (int p = 0; p < run->devices[i].port_count; p++)
-            run->rest_voltages[i * DEA_ZONES + p] = cosim_initial_voltage(run->netlist, nodes[2 * p]) -
-                                                    cosim_initial_voltage(run->netlist, nodes[2 * p + 1]);
-    }
-    DEA_TRY(rest_devices(run, error));
-    DEA_TRY(begin_observing(run, error));
-    for (int i = 0; i < run->count; i++) {
-        struct dea_port_sample ports[DEA_ZONES];
-        for (int p = 0; p < run->devices[i].port_count; p++) {
-            double v = run->rest_voltages[i * DEA_ZONES + p];
-            ports[p] = (struct dea_port_sample){v, v, coupled_charge(&run->devices[i], p), 0.0};
-            dea_engine_start_charge(run->engine, i, p, ports[p].charge);
-        }
-        DEA_TRY(coupled_take(&run->devices[i], i, 0.0, 0.0, ports, run->observer, error));
-    }
-    return DEA_OK;
-}
-
-/* Loads the circuit and runs it: to its first point while the devices' rest is looked for, to the end otherwise. */
-static enum dea_status run_round(struct cosim *run, const struct dea_deck *deck, const struct dea_deck_options *options,
-                                 double agreed, struct dea_error *error) {
-    struct dea_engine_callbacks callbacks = {.context = run,
-                                             .port_value = answer,
-                                             .before_step = limit_step,
-                                             .accepted = take_point,
-                                             .message = pass_message};
-    DEA_TRY(rest_devices(run, error));
-    run->resting = !options->uic;
-    run->rest_agreed = agreed;
-    run->reached = run->exchanged_at = 0.0;
-    run->horizon = fmin(run->stop * 1e-4, fmax(1e-3 * run->slowest, 1e-7 * run->stop));
-    if (run->control->horizon > 0.0)
-        run->horizon = run->control->horizon;
-    DEA_TRY(
-        dea_engine_load(run->engine, run->netlist, deck, run->circuit_devices, options, &callbacks, error));
-    if (options->uic)
-        DEA_TRY(start_from_initials(run, error));
-    return dea_engine_run(run->engine, error);
-}
-
-/* The film voltages of the operating point, more closely than the run itself will find them; *found is false when
- * ngspice does not converge that far. Without leakage they do not depend on how the devices rest. */
-static enum dea_status find_rest(struct cosim *run, bool *found, struct dea_error *error) {
-    bool depends = false;
-    for (int i = 0; i < run->count; i++)
-        depends = depends || run->devices[i].device->material.dielectric.conductivity > 0.0;
-    *found = false;
-    for (int round = 0; round < MAX_REST_ROUNDS && !*found; round++) {
-        enum dea_status status = run_round(run, &run->rest_deck, &run->rest_options, -1.0, error);
-        if (status == DEA_ERR_SOLVER)
-            return DEA_OK;
-        if (status != DEA_STOPPED || !run->resting)
-            return status;
-        *found = !depends || run->rest_change <= SAME_REST;
-    }
-    return DEA_OK;
-}
-
-/* Operating point and static equilibrium together: the circuit's film voltages and the devices' rest at them are
- * iterated until they agree; the round that agrees runs on. */
-static enum dea_status run_rounds(struct cosim *run, struct dea_error *error) {
-    bool closer = !run->deck_options.uic && run->rest_options.reltol < run->deck_options.reltol;
-    double agreed = SAME_REST;
-    for (int round = 0; round < MAX_REST_ROUNDS; round++) {
-        enum dea_status status = run_round(run, &run->deck, &run->deck_options, agreed, error);
-        if (!run->resting || status != DEA_STOPPED) {
-            if (status == DEA_OK && run->status != DEA_OK)
-                return report_failure(run, error);
-            run->result->circuit_gave_up = status == DEA_ERR_SOLVER && run->status == DEA_OK && run->reached > 0.0;
-            return status;
-        }
-        agreed = SAME_REST;
-        if (closer) {
-            bool found;
-            DEA_TRY(find_rest(run, &found, error));
-            if (found)
-                agreed = REST_MISS * run->deck_options.reltol;
-            closer = false;
-        }
-    }
-    return dea_fail(error, DEA_ERR_SOLVER,
-                    "the operating point of circuit and devices was not found in %d rounds: the film voltages still "
-                    "change by %.3g",
-                    MAX_REST_ROUNDS, run->rest_change);
-}
 
 enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
                                     struct dea_error *error) {
@@ -446,12 +281,16 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
                           const struct dea_run_options *options, const struct cosim_control *control,
                           const struct row_sink *sink, struct dea_channel *channel, struct dea_result *result,
                           struct dea_error *error) {
-    struct cosim run = {.scene = scene,
-                        .netlist = netlist,
-                        .options = options,
-                        .control = control,
-                        .channel = channel,
-                        .result = result};
+    struct cosim run = {
+        .scene = scene,
+        .netlist = netlist,
+        .options = options,
+        .control = control,
+        .channel = channel,
+        .result = result,
+        .callbacks = {
+            .port_value = answer, .before_step = limit_step, .accepted = take_point, .message = pass_message}};
+    run.callbacks.context = &run;
     snprintf(result->stats_run.mode, sizeof result->stats_run.mode, "cosim");
     result->relaxed = control->relaxed;
     enum dea_status status = cosim_choose_stop(scene, netlist, &run.stop, error);
@@ -459,21 +298,20 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         status = create_devices(&run, error);
     if (status == DEA_OK) {
         cosim_choose_tolerances(scene, netlist, run.stop, control->relaxed, &run.deck_options);
-        run.rest_options = run.deck_options;
-        run.rest_options.reltol = fmax(REST_PRECISION * run.deck_options.reltol, LEAST_RELTOL);
         status = dea_deck_build(netlist, run.circuit_devices, &run.deck_options, &run.deck, error);
     }
     if (status == DEA_OK)
-        status = dea_deck_build(netlist, run.circuit_devices, &run.rest_options, &run.rest_deck, error);
-    if (status == DEA_OK)
         status = dea_engine_open(&run.engine, error);
     if (status == DEA_OK)
-        status = rest_devices(&run, error);
+        status = cosim_rest_devices(&run, error);
     if (status == DEA_OK)
         status = observer_open(scene, options, run.stop, run.observed, run.count, sink, result, &run.observer, error);
     if (status == DEA_OK) {
         dea_report_begin(options->report);
-        status = run_rounds(&run, error);
+        status = cosim_run_from_rest(&run, error);
+        result->circuit_gave_up = status == DEA_ERR_SOLVER && run.status == DEA_OK && run.reached > 0.0;
+        if (status == DEA_OK)
+            status = report_failure(&run, error);
         if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED) && run.reached > run.exchanged_at) {
             enum dea_status last = exchange_all(&run, status >= 0 ? error : NULL);
             if (status == DEA_OK)
