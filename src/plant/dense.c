@@ -1,14 +1,31 @@
-/* A direct linear solver for small dense matrices: LU with partial pivoting as in the library, whose Debian build is
- * not optimized. Factors replace the matrix, its diagonal holds reciprocals of the pivots. */
+/* A direct linear solver for small matrices that are dense in form and mostly zeros: LU with pivoting that passes over
+ * the zeros. Unknowns are eliminated from the last to the first: platform and force balance, which all others meet in,
+ * come first in the plant and are eliminated last, so that hardly anything fills in. */
 #include "plant/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
+/* The diagonal element is the pivot unless it is smaller than this part of its column's largest. */
+#define DIAGONAL_PART 0.1
+
+/* A coefficient of a factor, and the unknown it goes with. */
+struct entry {
+    double value;
+    int other;
+};
+
 struct content {
+    int n;
     sunindextype singular; /* column without a pivot, counted from 1; 0: none */
-    int pivots[];
+    double *work;          /* the matrix from its last element to its first, by columns */
+    double *reciprocals;   /* of the pivots */
+    double *reversed;      /* the right side from its last element to its first */
+    int *pivots;           /* rows exchanged with each in turn */
+    /* below the diagonal by columns, right of it by rows: those of k from starts[k] on, to the next one's */
+    struct entry *lower, *upper;
+    int *lower_starts, *upper_starts;
 };
 
 static SUNLinearSolver_Type get_type(SUNLinearSolver solver) {
@@ -26,76 +43,97 @@ static int initialize(SUNLinearSolver solver) {
     return SUNLS_SUCCESS;
 }
 
+/* Row of the pivot of column k, -1 where there is none. */
 static int find_pivot(const double *column, int n, int k) {
     int best = k;
+    double largest = fabs(column[k]);
     for (int i = k + 1; i < n; i++)
-        if (fabs(column[i]) > fabs(column[best]))
+        if (fabs(column[i]) > largest) {
+            largest = fabs(column[i]);
             best = i;
-    return best;
+        }
+    if (!(largest > 0.0))
+        return -1;
+    return fabs(column[k]) >= DIAGONAL_PART * largest ? k : best;
 }
 
-static void swap_rows(double *a, int n, int i, int j) {
-    for (int column = 0; column < n; column++, a += n) {
-        double kept = a[i];
-        a[i] = a[j];
-        a[j] = kept;
+/* Columns before `from` have become factors and keep their order: exchanges are made in turn when solving. */
+static void swap_rows(double *a, int n, int from, int i, int j) {
+    for (int column = from; column < n; column++) {
+        double *at = a + (ptrdiff_t)column * n, kept = at[i];
+        at[i] = at[j];
+        at[j] = kept;
     }
+}
+
+/* Takes row k times the factors of column k from the rows below. */
+static void eliminate(struct content *c, int k) {
+    int n = c->n, first = c->lower_starts[k], end = first, used = c->upper_starts[k];
+    const double *column = c->work + (ptrdiff_t)k * n;
+    for (int i = k + 1; i < n; i++)
+        if (column[i] != 0.0)
+            c->lower[end++] = (struct entry){column[i] * c->reciprocals[k], i};
+    for (int j = k + 1; j < n; j++) {
+        double *other = c->work + (ptrdiff_t)j * n, by = other[k];
+        if (by == 0.0)
+            continue;
+        c->upper[used++] = (struct entry){by, j};
+        for (int e = first; e < end; e++)
+            other[c->lower[e].other] -= c->lower[e].value * by;
+    }
+    c->lower_starts[k + 1] = end;
+    c->upper_starts[k + 1] = used;
 }
 
 static int factor(SUNLinearSolver solver, SUNMatrix matrix) {
-    struct content *content = solver->content;
-    double *a = SM_DATA_D(matrix);
-    int n = (int)SM_ROWS_D(matrix);
+    struct content *c = solver->content;
+    const double *a = SM_DATA_D(matrix);
+    int n = c->n, last = n * n - 1;
+    for (int i = 0; i <= last; i++)
+        c->work[i] = a[last - i];
     for (int k = 0; k < n; k++) {
-        double *restrict column = a + (ptrdiff_t)k * n;
-        int pivot = content->pivots[k] = find_pivot(column, n, k);
-        if (column[pivot] == 0.0) {
-            content->singular = k + 1;
+        double *column = c->work + (ptrdiff_t)k * n;
+        int pivot = c->pivots[k] = find_pivot(column, n, k);
+        if (pivot < 0) {
+            c->singular = k + 1;
             return SUNLS_LUFACT_FAIL;
         }
         if (pivot != k)
-            swap_rows(a, n, k, pivot);
-        double reciprocal = column[k] = 1.0 / column[k];
-        for (int i = k + 1; i < n; i++)
-            column[i] *= reciprocal;
-        for (int j = k + 1; j < n; j++) {
-            double *restrict other = a + (ptrdiff_t)j * n, by = other[k];
-            if (by == 0.0)
-                continue;
-            for (int i = k + 1; i < n; i++)
-                other[i] -= column[i] * by;
-        }
+            swap_rows(c->work, n, k, k, pivot);
+        c->reciprocals[k] = 1.0 / column[k];
+        eliminate(c, k);
     }
-    content->singular = 0;
+    c->singular = 0;
     return SUNLS_SUCCESS;
 }
 
-static void substitute(const double *restrict a, const int *pivots, int n, double *restrict u) {
-    for (int k = 0; k < n; k++) {
-        double kept = u[pivots[k]];
-        u[pivots[k]] = u[k];
-        u[k] = kept;
+static void substitute(const struct content *c, double *restrict u) {
+    for (int k = 0; k < c->n; k++) {
+        int pivot = c->pivots[k];
+        double by = u[pivot];
+        u[pivot] = u[k];
+        u[k] = by;
+        for (int e = c->lower_starts[k]; e < c->lower_starts[k + 1]; e++)
+            u[c->lower[e].other] -= c->lower[e].value * by;
     }
-    for (int k = 0; k < n; k++) {
-        const double *column = a + (ptrdiff_t)k * n;
-        double by = u[k];
-        for (int i = k + 1; i < n; i++)
-            u[i] -= column[i] * by;
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        const double *column = a + (ptrdiff_t)k * n;
-        double by = u[k] *= column[k];
-        for (int i = 0; i < k; i++)
-            u[i] -= column[i] * by;
+    for (int k = c->n - 1; k >= 0; k--) {
+        double rest = u[k];
+        for (int e = c->upper_starts[k]; e < c->upper_starts[k + 1]; e++)
+            rest -= c->upper[e].value * u[c->upper[e].other];
+        u[k] = rest * c->reciprocals[k];
     }
 }
 
 static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b, sunrealtype tolerance) {
-    (void)tolerance;
-    const struct content *content = solver->content;
-    if (x != b)
-        N_VScale(1.0, b, x);
-    substitute(SM_DATA_D(matrix), content->pivots, (int)SM_ROWS_D(matrix), N_VGetArrayPointer(x));
+    (void)matrix, (void)tolerance;
+    const struct content *c = solver->content;
+    const double *given = N_VGetArrayPointer(b);
+    double *solution = N_VGetArrayPointer(x);
+    for (int i = 0; i < c->n; i++)
+        c->reversed[i] = given[c->n - 1 - i];
+    substitute(c, c->reversed);
+    for (int i = 0; i < c->n; i++)
+        solution[i] = c->reversed[c->n - 1 - i];
     return SUNLS_SUCCESS;
 }
 
@@ -103,23 +141,56 @@ static sunindextype last_flag(SUNLinearSolver solver) {
     return ((const struct content *)solver->content)->singular;
 }
 
+static void free_content(struct content *c) {
+    free(c->work);
+    free(c->reciprocals);
+    free(c->reversed);
+    free(c->pivots);
+    free(c->lower);
+    free(c->upper);
+    free(c->lower_starts);
+    free(c->upper_starts);
+    free(c);
+}
+
 static int release(SUNLinearSolver solver) {
-    free(solver->content);
+    free_content(solver->content);
     solver->content = NULL;
     SUNLinSolFreeEmpty(solver);
     return SUNLS_SUCCESS;
+}
+
+static struct content *make_content(int n) {
+    struct content *c = calloc(1, sizeof *c);
+    if (c == NULL)
+        return NULL;
+    size_t rows = (size_t)n;
+    c->n = n;
+    c->work = calloc(rows * rows, sizeof *c->work);
+    c->reciprocals = calloc(rows, sizeof *c->reciprocals);
+    c->reversed = calloc(rows, sizeof *c->reversed);
+    c->pivots = calloc(rows, sizeof *c->pivots);
+    c->lower = calloc(rows * rows, sizeof *c->lower);
+    c->upper = calloc(rows * rows, sizeof *c->upper);
+    c->lower_starts = calloc(rows + 1, sizeof *c->lower_starts);
+    c->upper_starts = calloc(rows + 1, sizeof *c->upper_starts);
+    if (c->work == NULL || c->reciprocals == NULL || c->reversed == NULL || c->pivots == NULL || c->lower == NULL ||
+        c->upper == NULL || c->lower_starts == NULL || c->upper_starts == NULL) {
+        free_content(c);
+        return NULL;
+    }
+    return c;
 }
 
 SUNLinearSolver plant_new_dense_solver(int n, SUNContext context) {
     SUNLinearSolver solver = SUNLinSolNewEmpty(context);
     if (solver == NULL)
         return NULL;
-    struct content *content = calloc(1, sizeof *content + (size_t)n * sizeof content->pivots[0]);
-    if (content == NULL) {
+    solver->content = make_content(n);
+    if (solver->content == NULL) {
         SUNLinSolFreeEmpty(solver);
         return NULL;
     }
-    solver->content = content;
     solver->ops->gettype = get_type;
     solver->ops->getid = get_id;
     solver->ops->initialize = initialize;

@@ -15,7 +15,7 @@
 #include "plant/dense.h"
 #include "plant/vectors.h"
 
-enum { LARGEST = 20 };
+enum { LARGEST = 60 };
 
 static double draw(uint32_t *state) { /* Numerical Recipes' linear congruential numbers, -1 .. 1 */
     *state = *state * 1664525u + 1013904223u;
@@ -77,13 +77,13 @@ static void check_solution(struct problem *p, bool in_place, uint32_t *state) {
 static void random_systems_are_solved(void **unused) {
     (void)unused;
     uint32_t state = 11;
-    for (int n = 1; n <= LARGEST; n++) {
+    for (int n = 1; n <= LARGEST; n += n < 20 ? 1 : 20) {
         struct problem p;
         begin(&p, n);
         for (int round = 0; round < 20; round++) {
             double *a = SUNDenseMatrix_Data(p.matrix);
             for (int i = 0; i < n * n; i++)
-                a[i] = n > 1 && round % 2 != 0 && draw(&state) > 0.0 ? 0.0 : draw(&state);
+                a[i] = n > 1 && round % 2 != 0 && draw(&state) > -0.5 ? 0.0 : draw(&state);
             for (int i = 0; n > 1 && i < n; i++) /* nothing on the diagonal, something beside it */
                 a[i * n + i] = 0.0, a[i * n + (i + 1) % n] += 3.0;
             assert_int_equal(factor(&p), 0);
@@ -104,7 +104,7 @@ static void singular_systems_are_refused(void **unused) {
     const double singular[9] = {1.0, 2.0, 4.0, 2.0, 4.0, 8.0, 0.0, 0.0, 1.0}, regular[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
     memcpy(a, singular, sizeof singular);
     assert_true(factor(&p) > 0);
-    assert_int_equal(SUNLinSolLastFlag(p.solver), 2);
+    assert_int_equal(SUNLinSolLastFlag(p.solver), 3);
     memcpy(a, regular, sizeof regular);
     assert_int_equal(factor(&p), 0);
     assert_int_equal(SUNLinSolLastFlag(p.solver), 0);

@@ -144,7 +144,7 @@ static void test_random_states(void **context) {
         build_random_scene(&s, (unsigned)seed);
         struct dea_device *device = &s.device.device;
         if (seed % 4 == 0) /* enough unknowns for the sparse solver */
-            for (int b = 0; b < 6; b++)
+            for (int b = 0; b < 16; b++)
                 add_branch(&s, b % 2 ? DEA_BRANCH_FOO : DEA_BRANCH_NETWORK, 2e4 * (b + 1), 1e-3 * (b + 1),
                            b == 3 ? 40.0 : INFINITY);
         if (seed % 5 == 0) {
