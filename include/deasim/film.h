@@ -9,7 +9,7 @@
 enum dea_control { DEA_CONTROL_PASSIVE, DEA_CONTROL_CHARGE, DEA_CONTROL_VOLTAGE };
 
 /* Answer of a zone. `e` stands for the given electrical quantity (C or V), z[j] for the branch states.
- * Derivatives and the stiffness are filled only when asked for; dlam_dx is filled always. */
+ * Derivatives other than dlam_dx are filled only when asked for. */
 struct dea_film {
     double lam;           /* effective stretch lam1: geometric when taut, natural when slack */
     bool slack;           /* the film is buckled: zero pull, lam > geometric stretch */

@@ -100,6 +100,11 @@ double dea_zone_field(const struct dea_device *device, double voltage, double la
 
 double dea_zone_resistance(const struct dea_device *device, int zone, double lam1, double *slope) {
     const struct dea_zone *z = &device->zones[zone];
+    if (z->sheet_resistance == 0.0) {
+        if (slope != NULL)
+            *slope = 0.0;
+        return z->electrode_resistance;
+    }
     double sheet = 2.0 * z->sheet_resistance / 3.0; /* two electrodes, distributed feed: R_sq/3 squares each */
     double aspect = z->length * lam1 / (device->prestretch[0] * device->width); /* l/w */
     if (z->feed == DEA_FEED_LONG_EDGE) {

@@ -25,11 +25,10 @@ struct film_task {
     double e;
     const double *states;
     struct dea_branch_response *branches;
+    bool with_derivatives; /* of the branches by their states */
 };
 
-/* Without derivatives g_lam is left out. */
-static enum dea_status slope_energy(const struct film_task *task, double lam, bool with_derivatives,
-                                    struct slope_of_energy *out) {
+static enum dea_status slope_energy(const struct film_task *task, double lam, struct slope_of_energy *out) {
     const struct dea_device *device = task->device;
     const struct dea_material *material = &device->material;
     double volume = device->zones[task->zone].volume;
@@ -40,10 +39,9 @@ static enum dea_status slope_energy(const struct film_task *task, double lam, bo
     double p1 = stress.w1, p11 = stress.w11;
     for (int b = 0; b < material->branch_count; b++) {
         DEA_TRY(dea_branch_respond(&material->branches[b], device->prestretch, lam, task->states + 2 * b,
-                                   with_derivatives, &task->branches[b]));
+                                   task->with_derivatives, &task->branches[b]));
         p1 += task->branches[b].p1;
-        if (with_derivatives)
-            p11 += task->branches[b].dp1_dlam1;
+        p11 += task->branches[b].dp1_dlam1;
     }
     out->p1 = p1;
     out->g = volume * p1;
@@ -79,7 +77,7 @@ static enum dea_status find_natural_stretch(const struct film_task *task, double
     stride = fmin(stride, 0.05 * taut);
     struct slope_of_energy probe;
     for (int i = 0;; i++) {
-        enum dea_status status = slope_energy(task, low + stride, true, &probe);
+        enum dea_status status = slope_energy(task, low + stride, &probe);
         if (status != DEA_OK) { /* beyond the law's limit, where G grows without bound */
             stride *= 0.5;
         } else if (probe.g >= 0.0) {
@@ -100,7 +98,7 @@ static enum dea_status find_natural_stretch(const struct film_task *task, double
             next = 0.5 * (low + high);
         bool converged = fabs(next - lam) <= 2e-16 * lam;
         lam = next;
-        DEA_TRY(slope_energy(task, lam, true, at_natural));
+        DEA_TRY(slope_energy(task, lam, at_natural));
         if (converged || at_natural->g == 0.0)
             break;
         if (at_natural->g > 0.0)
@@ -119,7 +117,7 @@ static enum dea_status enter_domain(const struct film_task *task, double taut, d
     double low = taut, high = 1.0 / sqrt(task->device->prestretch[1]); /* W1 = 0 */
     *pushed = high;
     for (int i = 0; i < MAX_SLACK_ITERATIONS && low < high; i++) {
-        bool inside = slope_energy(task, *pushed, true, at_pushed) == DEA_OK;
+        bool inside = slope_energy(task, *pushed, at_pushed) == DEA_OK;
         if (inside && at_pushed->g < 0.0)
             return DEA_OK;
         if (inside)
@@ -135,13 +133,13 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
                                  double e, const double *states, bool with_derivatives,
                                  struct dea_branch_response *branches, struct dea_film *film) {
     const struct dea_zone *geometry = &device->zones[zone];
-    struct film_task task = {device, zone, control, e, states, branches};
+    struct film_task task = {device, zone, control, e, states, branches, with_derivatives};
     double per_length = device->prestretch[0] / geometry->length, taut = dea_zone_stretch(device, zone, x);
     if (!(taut > 0.0))
         return DEA_RECOVERABLE;
     struct slope_of_energy s;
     double pushed = taut;
-    if (slope_energy(&task, taut, with_derivatives, &s) != DEA_OK) {
+    if (slope_energy(&task, taut, &s) != DEA_OK) {
         if (!device->slack)
             return DEA_RECOVERABLE;
         DEA_TRY(enter_domain(&task, taut, &pushed, &s));
@@ -150,12 +148,16 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
     film->margin = s.g / geometry->volume;
     film->slack = device->slack && s.g < 0.0;
     if (film->slack) {
-        struct slope_of_energy pushed_slope;
-        DEA_TRY(slope_energy(&task, pushed, true, &pushed_slope));
+        struct slope_of_energy pushed_slope = s;
         DEA_TRY(find_natural_stretch(&task, pushed, &pushed_slope, &film->lam, &s));
     }
     film->p1 = s.p1;
     film->pull = film->slack ? 0.0 : s.g * per_length;
+    film->stiffness = 0.0;
+    if (!film->slack) { /* at given voltage: charge control is stiffer by (dQ/dx)^2 / C */
+        double extra = control == DEA_CONTROL_CHARGE ? e * e / (s.c * s.c) * s.c1 * s.c1 / s.c : 0.0;
+        film->stiffness = (s.g_lam - extra) * per_length * per_length;
+    }
     film->capacitance = s.c;
     film->voltage = control == DEA_CONTROL_CHARGE ? e / s.c : control == DEA_CONTROL_VOLTAGE ? e : 0.0;
     film->charge = control == DEA_CONTROL_CHARGE ? e : s.c * film->voltage;
@@ -174,11 +176,6 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
     film->dvoltage_de = charge_given ? 1.0 / s.c : voltage_given ? 1.0 : 0.0;
     film->dcharge_dlam = voltage_given ? s.c1 * e : 0.0;
     film->dcharge_de = voltage_given ? s.c : charge_given ? 1.0 : 0.0;
-    film->stiffness = 0.0;
-    if (!film->slack) { /* at given voltage: charge control is stiffer by (dQ/dx)^2 / C */
-        double extra = charge_given ? e * e / (s.c * s.c) * s.c1 * s.c1 / s.c : 0.0;
-        film->stiffness = (s.g_lam - extra) * per_length * per_length;
-    }
     return DEA_OK;
 }
 

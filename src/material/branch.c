@@ -36,19 +36,19 @@ static enum dea_status respond_foo(const struct dea_branch *branch, const double
     out->rate[0] = (1.0 + z[0]) * flow1;
     out->rate[1] = (1.0 + z[1]) * flow2;
     out->dissipation = (s1 * s1 - s1 * s2 + s2 * s2) / eta3;
-    if (!with_derivatives)
-        return DEA_OK;
 
     /* logarithmic derivatives of the elastic stretches: q1 = ln(lam1/xi1), q2 = ln(lam2/xi2) */
     double g_by_q1 = g * 2.0 * (s.e1 - s.e3) / (branch->jm * s.softness);
-    double g_by_q2 = g * 2.0 * (s.e2 - s.e3) / (branch->jm * s.softness);
     double s1_q1 = g * 2.0 * (s.e1 + s.e3) + g_by_q1 * (s.e1 - s.e3);
+    out->dp1_dlam1 = (s1_q1 - s1) / (lam1 * lam1);
+    if (!with_derivatives)
+        return DEA_OK;
+    double g_by_q2 = g * 2.0 * (s.e2 - s.e3) / (branch->jm * s.softness);
     double s1_q2 = g * 2.0 * s.e3 + g_by_q2 * (s.e1 - s.e3);
     double s2_q1 = g * 2.0 * s.e3 + g_by_q1 * (s.e2 - s.e3);
     double s2_q2 = g * 2.0 * (s.e2 + s.e3) + g_by_q2 * (s.e2 - s.e3);
     double q1_z0 = -1.0 / (1.0 + z[0]), q2_z1 = -1.0 / (1.0 + z[1]), q1_lam = 1.0 / lam1;
 
-    out->dp1_dlam1 = (s1_q1 - s1) / (lam1 * lam1);
     out->dp1_dz[0] = s1_q1 * q1_z0 / lam1;
     out->dp1_dz[1] = s1_q2 * q2_z1 / lam1;
     double flow1_q1 = (s1_q1 - 0.5 * s2_q1) / eta3, flow1_q2 = (s1_q2 - 0.5 * s2_q2) / eta3;
@@ -102,9 +102,9 @@ static enum dea_status respond_network(const struct dea_branch *branch, const do
     /* written as squares so that it cannot cancel to a negative number */
     double d1 = s.stretched1 - 1.0, d3 = s.stretched3 - 1.0;
     out->dissipation = 0.5 * mu / tau * (d1 * d1 / s.stretched1 + d3 * d3 / s.stretched3);
+    out->dp1_dlam1 = mu * (s.stretched1 + 3.0 * s.stretched3) / (lam1 * lam1);
     if (!with_derivatives)
         return DEA_OK;
-    out->dp1_dlam1 = mu * (s.stretched1 + 3.0 * s.stretched3) / (lam1 * lam1);
     out->dp1_dz[0] = mu * r * r / lam1;
     out->dp1_dz[1] = -mu / (r * r * lam1);
     out->drate_dlam1[0] = -2.0 / (r * r * r * prestretch[0] * tau);

@@ -94,7 +94,7 @@ void plant_limit_roots(const struct dea_plant *plant, double t, const double *yp
 enum dea_status plant_note_limits(struct dea_plant *plant, const int *hits) {
     if (plant->limit_count == 0)
         return DEA_OK;
-    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    const double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
     plant->rates_now = yp;
     DEA_TRY(plant_evaluate(plant, plant->t, y, plant_velocity(plant, y, yp), false));
     for (int i = 0; i < plant->limit_count; i++) {
@@ -110,7 +110,7 @@ enum dea_status plant_note_limits(struct dea_plant *plant, const int *hits) {
  * went past the limit. */
 static enum dea_status put_to_limit(struct dea_plant *plant, const struct held_limit *limit, double side) {
     enum { ITERATIONS = 4 };
-    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
     const struct zone_layout *zone = &plant->zones[limit->zone];
     int moved = limit->of_slew ? zone->amplifier : zone->charge;
     double before = y[moved], near = NEAR_LIMIT * plant->rtol * fmax(fabs(before), plant->largest[moved]);

@@ -4,6 +4,7 @@
 #include "plant/dense.h"
 
 #include <math.h>
+#include <nvector/nvector_serial.h>
 #include <stdlib.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
@@ -127,8 +128,8 @@ static void substitute(const struct content *c, double *restrict u) {
 static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b, sunrealtype tolerance) {
     (void)matrix, (void)tolerance;
     const struct content *c = solver->content;
-    const double *given = N_VGetArrayPointer(b);
-    double *solution = N_VGetArrayPointer(x);
+    const double *given = NV_DATA_S(b);
+    double *solution = NV_DATA_S(x);
     for (int i = 0; i < c->n; i++)
         c->reversed[i] = given[c->n - 1 - i];
     substitute(c, c->reversed);

@@ -3,8 +3,11 @@
 #include "plant/integrator.h"
 #include "plant/network.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+#define SAME_DIGITS 4.0 /* last digits of the largest value so far, by which two states may differ and be one */
 
 double plant_charge_value(const struct dea_charge_piece *piece, double t, double *rate) {
     double d = t - piece->start;
@@ -76,11 +79,18 @@ static enum dea_status evaluate_zone(struct dea_plant *plant, int k, double t, c
     return DEA_OK;
 }
 
-/* The root functions look at the end of a step, and so do signals and limits after it. */
+/* The books look at the end of a step, and so do root functions, limits and signals after it; the integrator gives them
+ * the same state up to its last digits. */
 static bool is_known(const struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives) {
     const struct known_state *known = &plant->known;
-    return known->valid && known->t == t && known->rate_x == rate_x && known->with_derivatives >= with_derivatives &&
-           memcmp(known->y, y, (size_t)plant->state_count * sizeof *y) == 0;
+    bool moving = plant->device->has_stops && plant->motion != MOTION_INERTIAL; /* rate_x matters, and is not in y */
+    if (!known->valid || known->t != t || known->with_derivatives < with_derivatives ||
+        (moving && known->rate_x != rate_x))
+        return false;
+    for (int i = 0; i < plant->state_count; i++)
+        if (!(fabs(known->y[i] - y[i]) <= SAME_DIGITS * DBL_EPSILON * plant->largest[i]))
+            return false;
+    return true;
 }
 
 void plant_remember(struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives) {

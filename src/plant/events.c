@@ -64,12 +64,12 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
 
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context) {
     struct dea_plant *plant = context;
-    const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
+    const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
     double velocity = plant_velocity(plant, u, up);
     plant->rates_now = up;
-    if (plant_evaluate(plant, t, u, velocity, plant->watches_stability) != DEA_OK)
+    if (plant_evaluate(plant, t, u, velocity, false) != DEA_OK)
         return 1;
-    plant_remember(plant, t, u, velocity, plant->watches_stability);
+    plant_remember(plant, t, u, velocity, false);
     for (int i = 0; i < plant->event_count; i++) {
         double value = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
         if (plant->violated[i])
@@ -91,7 +91,6 @@ static void add_root(struct dea_plant *plant, enum dea_event_kind kind, int zone
 enum dea_status dea_plant_watch(struct dea_plant *plant, unsigned kinds, struct dea_error *error) {
     const struct dea_device *device = plant->device;
     plant->event_count = 0;
-    plant->watches_stability = (kinds & 1u << DEA_EVENT_STABILITY) != 0;
     memset(plant->violated, 0, sizeof plant->violated);
     for (int kind = 0; kind < DEA_EVENT_COUNT; kind++) {
         if (!(kinds & 1u << kind))

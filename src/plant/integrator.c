@@ -49,7 +49,7 @@ static bool make_vectors(struct dea_plant *plant) {
         return false;
     N_VConst(1.0, plant->id);
     if (plant->motion == MOTION_ALGEBRAIC)
-        N_VGetArrayPointer(plant->id)[plant->x] = 0.0;
+        NV_DATA_S(plant->id)[plant->x] = 0.0;
     return true;
 }
 
@@ -268,7 +268,7 @@ static void note_step(struct dea_plant *plant) {
 
 /* Work moved during the step, for the audit's denominator. */
 static void note_work(struct dea_plant *plant) {
-    const double *quad = N_VGetArrayPointer(plant->quad), *y = N_VGetArrayPointer(plant->y);
+    const double *quad = NV_DATA_S(plant->quad), *y = NV_DATA_S(plant->y);
     double x = y[plant->x] * plant->scale[plant->x], imposed[2], work[2];
     plant_imposed_energy(plant, plant->t, x, imposed);
     work[0] = quad[LOSS_WORK] + imposed[0] - plant->imposed_at_start[0] + plant->jump_work[0];
@@ -300,7 +300,7 @@ static enum dea_status note_quiet(struct dea_plant *plant, struct dea_error *err
     double h = 0.0;
     if (plant->v == ABSENT || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
         return DEA_OK;
-    const double *y = N_VGetArrayPointer(plant->y);
+    const double *y = NV_DATA_S(plant->y);
     double omega = sqrt(fmax(plant->device->stiffness, 0.0) / plant->device->effective_mass);
     if (plant->device->damping >= 2.0 * omega * plant->device->effective_mass)
         return DEA_OK;

@@ -238,7 +238,7 @@ int plant_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vec
                    void *context, N_Vector tmp1, N_Vector tmp2, N_Vector tmp3) {
     struct dea_plant *plant = context;
     (void)residual, (void)tmp1, (void)tmp2, (void)tmp3;
-    const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
+    const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
     plant->rates_now = up;
     if (plant_evaluate(plant, t, u, plant_velocity(plant, u, up), true) != DEA_OK)
         return 1;

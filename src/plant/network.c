@@ -273,7 +273,7 @@ static bool solve_at_rest(struct dea_plant *plant, double t, const double drawn[
 
 enum dea_status plant_network_rest(struct dea_plant *plant, double t, const double drawn[DEA_ZONES],
                                    double voltages[DEA_ZONES], struct dea_error *error) {
-    double *y = N_VGetArrayPointer(plant->y);
+    double *y = NV_DATA_S(plant->y);
     double *w = calloc((size_t)plant->network_count, sizeof *w);
     if (w == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit's operating point");
@@ -295,9 +295,9 @@ enum dea_status plant_network_rest(struct dea_plant *plant, double t, const doub
 /* One step of implicit Euler over h from the present state; *moved receives the largest change of an unknown. */
 static enum dea_status step_implicitly(struct dea_plant *plant, double h) {
     int n = plant->state_count;
-    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
-    double *before = N_VGetArrayPointer(plant->sample_y), *residual = N_VGetArrayPointer(plant->rates);
-    double *delta = N_VGetArrayPointer(plant->sample_yp);
+    double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
+    double *before = NV_DATA_S(plant->sample_y), *residual = NV_DATA_S(plant->rates);
+    double *delta = NV_DATA_S(plant->sample_yp);
     memcpy(before, y, (size_t)n * sizeof *y);
     double last = INFINITY;
     for (int iteration = 0; iteration < MAX_SETTLE_ITERATIONS; iteration++) {
@@ -334,16 +334,16 @@ static enum dea_status step_implicitly(struct dea_plant *plant, double h) {
 
 enum dea_status plant_network_settle(struct dea_plant *plant, struct dea_error *error) {
     double h = plant->options.settle_time;
-    double *quad = N_VGetArrayPointer(plant->quad);
+    double *quad = NV_DATA_S(plant->quad);
     for (int step = 0; step < 2; step++) { /* the first absorbs jumps, the second gives the rates */
         double losses[LOSS_COUNT];
-        plant->rates_now = N_VGetArrayPointer(plant->yp);
+        plant->rates_now = NV_DATA_S(plant->yp);
         if (SUNLinSolInitialize(plant->solver) != 0 || step_implicitly(plant, h) != DEA_OK)
             return dea_fail(error, DEA_ERR_SOLVER,
                             "t = %.9g s: the circuit's equations cannot be solved at a corner: %s", plant->t,
                             plant->trouble != NULL ? plant->trouble : "Newton's method did not converge");
-        double velocity = plant_pace(plant, N_VGetArrayPointer(plant->y), N_VGetArrayPointer(plant->yp));
-        if (plant_quadrature_rates(plant, plant->t, N_VGetArrayPointer(plant->y), velocity, losses) != DEA_OK)
+        double velocity = plant_pace(plant, NV_DATA_S(plant->y), NV_DATA_S(plant->yp));
+        if (plant_quadrature_rates(plant, plant->t, NV_DATA_S(plant->y), velocity, losses) != DEA_OK)
             return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state left the model", plant->t);
         for (int i = 0; i < LOSS_COUNT; i++)
             quad[i] += h * losses[i];
@@ -353,13 +353,13 @@ enum dea_status plant_network_settle(struct dea_plant *plant, struct dea_error *
 
 enum dea_status plant_network_try(struct dea_plant *plant, double h, double *bends) {
     size_t size = (size_t)plant->state_count * sizeof *bends;
-    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
-    double *kept = N_VGetArrayPointer(plant->kept_yp), t = plant->t;
+    double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
+    double *kept = NV_DATA_S(plant->kept_yp), t = plant->t;
     memcpy(kept, yp, size);
     enum dea_status status = SUNLinSolInitialize(plant->solver) == 0 ? step_implicitly(plant, h) : DEA_RECOVERABLE;
     for (int i = 0; status == DEA_OK && i < plant->state_count; i++)
         bends[i] = (yp[i] - kept[i]) / h;
-    memcpy(y, N_VGetArrayPointer(plant->sample_y), size);
+    memcpy(y, NV_DATA_S(plant->sample_y), size);
     memcpy(yp, kept, size);
     plant->t = t;
     return status;

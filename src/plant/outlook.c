@@ -37,7 +37,7 @@ static double drift_force(const struct dea_plant *plant, double *stiffness) {
 
 static void look_at_platform(const struct dea_plant *plant, double horizon, struct dea_outlook *out) {
     const struct dea_device *device = plant->device;
-    const double *y = N_VGetArrayPointer(plant->y);
+    const double *y = NV_DATA_S(plant->y);
     double stiffness, drift = drift_force(plant, &stiffness), c = device->damping;
     out->charge_stiffness = stiffness;
     out->x[0] = y[plant->x] * plant->scale[plant->x];
@@ -139,7 +139,7 @@ double dea_outlook_softness(const struct dea_outlook *outlook, int zone, double 
 }
 
 enum dea_status dea_plant_look_ahead(struct dea_plant *plant, double horizon, struct dea_outlook *out) {
-    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    const double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
     DEA_TRY(plant_evaluate(plant, plant->t, y, plant_velocity(plant, y, yp), true));
     out->start = plant->t;
     look_at_platform(plant, horizon, out);

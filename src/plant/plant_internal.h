@@ -132,7 +132,6 @@ struct dea_plant {
 
     /* events */
     int event_count;
-    bool watches_stability; /* which needs derivatives */
     struct {
         enum dea_event_kind kind;
         int zone;
@@ -170,14 +169,19 @@ struct dea_plant {
     double trouble_t;    /* s, end of the step in which it did */
 };
 
+/* Of numbers that are numbers; fmax is a call. */
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
 /* layout.c */
 enum dea_status plant_lay_out(struct dea_plant *plant, struct dea_error *error);
 
 /* evaluate.c: fills points and force at time t from scaled unknowns. */
 enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
                                bool with_derivatives);
-/* Notes that points and force are those of this state: evaluating it again is free until another one is evaluated, or
- * until inputs or limits change and it is forgotten. */
+/* Notes that points and force are those of this state: evaluating it again, within rounding, is free until another one
+ * is evaluated, or until inputs or limits change and it is forgotten. */
 void plant_remember(struct dea_plant *plant, double t, const double *y, double rate_x, bool with_derivatives);
 void plant_forget(struct dea_plant *plant);
 /* Right side of each differential unknown (scaled), with 0 for algebraic ones. Uses the last evaluation. */

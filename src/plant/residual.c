@@ -3,8 +3,8 @@
 
 int plant_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector residual, void *context) {
     struct dea_plant *plant = context;
-    const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
-    double *r = N_VGetArrayPointer(residual);
+    const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
+    double *r = NV_DATA_S(residual);
     double velocity = plant_velocity(plant, u, up);
     plant->rates_now = up;
     if (plant_evaluate(plant, t, u, velocity, false) != DEA_OK)
@@ -31,6 +31,7 @@ enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const 
         slack = slack || (plant->zones[k].present && plant->points[k].film.slack);
     if (slack) /* whose stretch moves with everything */
         DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
+    plant_remember(plant, t, y, velocity, slack);
     plant_losses(plant, t, y[plant->x] * plant->scale[plant->x], velocity, losses);
     return DEA_OK;
 }
@@ -40,8 +41,8 @@ enum dea_status plant_quadrature_rates(struct dea_plant *plant, double t, const 
  * hand on Newton's leftovers and rounding, magnified by step over time constant, and the books with them. */
 int plant_quadrature(sunrealtype t, N_Vector y, N_Vector yp, N_Vector rates, void *context) {
     struct dea_plant *plant = context;
-    const double *u = N_VGetArrayPointer(y), *up = N_VGetArrayPointer(yp);
+    const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
     plant->rates_now = up;
-    enum dea_status status = plant_quadrature_rates(plant, t, u, plant_pace(plant, u, up), N_VGetArrayPointer(rates));
+    enum dea_status status = plant_quadrature_rates(plant, t, u, plant_pace(plant, u, up), NV_DATA_S(rates));
     return status == DEA_OK ? 0 : 1;
 }

@@ -73,8 +73,8 @@ static enum dea_status find_state(struct dea_plant *plant, double t, bool with_r
                                   const double **yp, struct dea_error *error) {
     double at = fmax(t, plant->restarted_at);
     bool gap = t < at, held = !plant->integrating || at == plant->t;
-    *y = N_VGetArrayPointer(held && !gap ? plant->y : plant->sample_y);
-    *yp = N_VGetArrayPointer(held ? plant->yp : plant->sample_yp);
+    *y = held && !gap ? NV_DATA_S(plant->y) : NV_DATA_S(plant->sample_y);
+    *yp = held ? NV_DATA_S(plant->yp) : NV_DATA_S(plant->sample_yp);
     if (!held && (IDAGetDky(plant->ida, at, 0, plant->sample_y) != IDA_SUCCESS ||
                   ((with_rates || gap) && IDAGetDky(plant->ida, at, 1, plant->sample_yp) != IDA_SUCCESS)))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s is outside the last step %.17g .. %.17g s", t,
@@ -89,10 +89,10 @@ static enum dea_status interpolate(struct dea_plant *plant, double t, unsigned w
                                    const double **yp, const double **quad, struct dea_error *error) {
     double at = fmax(t, plant->restarted_at);
     DEA_TRY(find_state(plant, t, plant->motion == MOTION_VISCOUS || plant->network != ABSENT, y, yp, error));
-    *quad = N_VGetArrayPointer(plant->quad);
+    *quad = NV_DATA_S(plant->quad);
     if (!plant->integrating || at == plant->t || !(wanted & DEA_SIGNALS_ENERGY))
         return DEA_OK;
-    *quad = N_VGetArrayPointer(plant->sample_quad);
+    *quad = NV_DATA_S(plant->sample_quad);
     if (IDAGetQuadDky(plant->ida, at, 0, plant->sample_quad) != IDA_SUCCESS)
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no integrals of the losses", t);
     return DEA_OK;
@@ -146,7 +146,7 @@ static enum dea_status evaluate_currents(struct dea_plant *plant, double t, cons
     plant->rates_now = plant->network != ABSENT ? yp : NULL;
     DEA_TRY(plant_evaluate(plant, t, y, *velocity, ideal || plant->motion == MOTION_ALGEBRAIC));
     if (plant->motion == MOTION_ALGEBRAIC) {
-        double *rates = N_VGetArrayPointer(plant->rates);
+        double *rates = NV_DATA_S(plant->rates);
         plant_rates(plant, t, y, rates);
         *velocity = plant_algebraic_rate(plant, t, rates);
     }
@@ -235,7 +235,7 @@ void plant_imposed_energy(const struct dea_plant *plant, double t, double x, dou
 }
 
 enum dea_status plant_open_books(struct dea_plant *plant, struct dea_error *error) {
-    const double *y = N_VGetArrayPointer(plant->y);
+    const double *y = NV_DATA_S(plant->y);
     double x = y[plant->x] * plant->scale[plant->x];
     plant_imposed_energy(plant, plant->t, x, plant->imposed_at_start);
     plant->start_x = x;

@@ -98,7 +98,7 @@ static void set_fresh_branches(struct dea_plant *plant) {
 /* Writes the resting films into the unknowns. */
 static void store_rest(struct dea_plant *plant, const struct rest_task *task, double x, double v) {
     const struct dea_material *material = &plant->device->material;
-    double *y = N_VGetArrayPointer(plant->y);
+    double *y = NV_DATA_S(plant->y);
     y[plant->x] = x / plant->scale[plant->x];
     if (plant->v != ABSENT)
         y[plant->v] = v / plant->scale[plant->v];
@@ -133,7 +133,7 @@ struct frozen_task {
 static enum dea_status frozen_force(void *context, double x, double *force) {
     struct frozen_task *task = context;
     struct dea_plant *plant = task->plant;
-    double *y = N_VGetArrayPointer(plant->y);
+    double *y = NV_DATA_S(plant->y);
     y[plant->x] = x / plant->scale[plant->x];
     DEA_TRY(plant_evaluate(plant, task->t, y, 0.0, false));
     *force = plant->force;
@@ -144,7 +144,7 @@ static enum dea_status frozen_force(void *context, double x, double *force) {
 static enum dea_status balance_platform(struct dea_plant *plant, double t) {
     if (plant->motion != MOTION_ALGEBRAIC)
         return DEA_OK;
-    double *y = N_VGetArrayPointer(plant->y), x = y[plant->x] * plant->scale[plant->x];
+    double *y = NV_DATA_S(plant->y), x = y[plant->x] * plant->scale[plant->x];
     double shortest = shortest_zone(plant->device);
     struct frozen_task task = {plant, t};
     DEA_TRY(plant_find_balance(frozen_force, &task, x, fmin(1e-3 * shortest, 0.1 * plant->scale[plant->x]),
@@ -155,7 +155,7 @@ static enum dea_status balance_platform(struct dea_plant *plant, double t) {
 
 /* Derivatives of all unknowns at a balanced state. */
 static enum dea_status derive_rates(struct dea_plant *plant, double t) {
-    double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
     double v = plant->motion == MOTION_INERTIAL ? y[plant->v] * plant->scale[plant->v] : 0.0;
     DEA_TRY(plant_evaluate(plant, t, y, v, true));
     plant_rates(plant, t, y, yp);
@@ -258,7 +258,7 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
     double position;
     N_VConst(0.0, plant->quad);
     N_VConst(0.0, plant->yp);
-    plant->rates_now = N_VGetArrayPointer(plant->yp);
+    plant->rates_now = NV_DATA_S(plant->yp);
     if (plant->network != ABSENT)
         DEA_TRY(rest_with_network(&task, x, &position, error));
     else
@@ -267,7 +267,7 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
     if (plant->network == ABSENT) {
         DEA_TRY(make_consistent(plant, error));
         plant_choose_limits(plant);
-    } else if (plant_evaluate(plant, t, N_VGetArrayPointer(plant->y), 0.0, true) != DEA_OK) {
+    } else if (plant_evaluate(plant, t, NV_DATA_S(plant->y), 0.0, true) != DEA_OK) {
         return dea_fail(error, DEA_ERR_SOLVER, "the start is outside the model");
     }
     return plant_open_books(plant, error);
@@ -279,7 +279,7 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
  * ideal source does [Q V] - int Q dV and any other port, its charge frozen, nothing. */
 static enum dea_status book_boundary(struct dea_plant *plant, double sign) {
     DEA_TRY(balance_platform(plant, plant->t));
-    DEA_TRY(plant_evaluate(plant, plant->t, N_VGetArrayPointer(plant->y), 0.0, false));
+    DEA_TRY(plant_evaluate(plant, plant->t, NV_DATA_S(plant->y), 0.0, false));
     for (int k = 0; k < DEA_ZONES; k++) {
         enum dea_port_kind kind = plant->zones[k].kind;
         double part = kind == DEA_PORT_IDEAL ? 0.5 : -0.5;
@@ -306,7 +306,7 @@ static enum dea_status book_jump(struct dea_plant *plant, const struct dea_plant
     load_jump = dea_piece_value(&next->load, plant->t, NULL) - dea_piece_value(&before.load, plant->t, NULL);
     if (size == 0.0 && load_jump == 0.0)
         return DEA_OK;
-    double *y = N_VGetArrayPointer(plant->y);
+    double *y = NV_DATA_S(plant->y);
     DEA_TRY(book_boundary(plant, -1.0));
     for (int p = 0; p < PANELS; p++) {
         for (int g = 0; g < 3; g++) {

@@ -151,8 +151,8 @@ void plant_set_tolerance(struct dea_plant *plant) {
 /* Errors are weighed by the size an unknown has reached. Velocity and branch states act through the displacement, so
  * that they need no better resolution than it: their scaled sizes compare directly. */
 static double weigh_size(const struct dea_plant *plant, const double *u, int i) {
-    double size = fmax(fabs(u[i]), plant->largest[i]);
-    return plant->follows[i] ? fmax(size, fmax(fabs(u[plant->x]), plant->largest[plant->x])) : size;
+    double size = larger(fabs(u[i]), plant->largest[i]);
+    return plant->follows[i] ? larger(size, larger(fabs(u[plant->x]), plant->largest[plant->x])) : size;
 }
 
 /* Velocity and the branches are what follows the displacement. */
@@ -164,7 +164,7 @@ static bool is_of_branch(const struct dea_plant *plant, int i) {
 static double tolerate(const struct dea_plant *plant, const double *u, int i) {
     double rounding = is_of_branch(plant, i) ? ROUNDING_OF_BRANCHES * plant->rounding : plant->rounding;
     if (plant->network != ABSENT)
-        rounding += ROUNDING * DBL_EPSILON * fabs(plant->t * N_VGetArrayPointer(plant->yp)[i]);
+        rounding += ROUNDING * DBL_EPSILON * fabs(plant->t * NV_DATA_S(plant->yp)[i]);
     return plant->rtol * weigh_size(plant, u, i) + rounding;
 }
 
@@ -175,8 +175,8 @@ static bool is_not_judged(const struct dea_plant *plant, int i) {
 
 int plant_weigh(N_Vector y, N_Vector weights, void *context) {
     struct dea_plant *plant = context;
-    const double *u = N_VGetArrayPointer(y);
-    double *w = N_VGetArrayPointer(weights);
+    const double *u = NV_DATA_S(y);
+    double *w = NV_DATA_S(weights);
     /* IDA takes the mean square; times the count it is the sum, and idle unknowns do not dilute the error of others */
     double count = sqrt(plant->state_count);
     for (int i = 0; i < plant->state_count; i++)
@@ -185,11 +185,11 @@ int plant_weigh(N_Vector y, N_Vector weights, void *context) {
 }
 
 void plant_note_sizes(struct dea_plant *plant) {
-    const double *y = N_VGetArrayPointer(plant->y);
+    const double *y = NV_DATA_S(plant->y);
     for (int i = 0; i < plant->state_count; i++) {
         bool of_circuit = plant->network != ABSENT && i >= plant->network;
         double expected = of_circuit ? EXPECTED_PART_OF_CIRCUIT : EXPECTED_PART;
-        plant->largest[i] = fmax(fmax(plant->largest[i], expected), fabs(y[i]));
+        plant->largest[i] = larger(larger(plant->largest[i], expected), fabs(y[i]));
     }
 }
 
@@ -206,9 +206,9 @@ static double expect_energy(const struct dea_plant *plant) {
  * cycles their errors add up as the exchange does. */
 static double energy_yardstick(const struct dea_plant *plant) {
     double expected = expect_energy(plant), seen = fmax(plant->moved, plant->kinetic);
-    const double *quad = N_VGetArrayPointer(plant->quad);
+    const double *quad = NV_DATA_S(plant->quad);
     for (int i = 0; i < LOSS_COUNT; i++)
-        seen = fmax(seen, fabs(quad[i]));
+        seen = larger(seen, fabs(quad[i]));
     return fmin(expected, fmax(seen, NEGLIGIBLE_ENERGY * expected));
 }
 
@@ -243,7 +243,7 @@ static enum dea_status foresee_losses(struct dea_plant *plant, double t, const d
     double velocity = plant_velocity(plant, y, yp);
     plant->rates_now = plant->network != ABSENT ? yp : NULL;
     if (plant->v == ABSENT) {
-        double *rates = N_VGetArrayPointer(plant->rates);
+        double *rates = NV_DATA_S(plant->rates);
         DEA_TRY(plant_evaluate(plant, t, y, velocity, true));
         plant_rates(plant, t, y, rates);
         velocity = plant->motion == MOTION_ALGEBRAIC ? plant_algebraic_rate(plant, t, rates)
@@ -254,8 +254,8 @@ static enum dea_status foresee_losses(struct dea_plant *plant, double t, const d
 
 /* Shortens a first step until its error in the loss integrals, h^2/2 of the change of their rates, is in order. */
 static double limit_by_losses(struct dea_plant *plant, double h) {
-    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
-    double *later = N_VGetArrayPointer(plant->sample_y), now[LOSS_COUNT], then[LOSS_COUNT], change = 0.0;
+    const double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
+    double *later = NV_DATA_S(plant->sample_y), now[LOSS_COUNT], then[LOSS_COUNT], change = 0.0;
     for (int j = 0; j < plant->state_count; j++)
         later[j] = y[j] + h * yp[j];
     if (foresee_losses(plant, plant->t, y, yp, now) != DEA_OK ||
@@ -269,8 +269,8 @@ static double limit_by_losses(struct dea_plant *plant, double h) {
 
 /* y'' from the rates a little later, into plant->rates. */
 static enum dea_status find_bends(struct dea_plant *plant, double h) {
-    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
-    double *later = N_VGetArrayPointer(plant->sample_y), *bends = N_VGetArrayPointer(plant->rates);
+    const double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
+    double *later = NV_DATA_S(plant->sample_y), *bends = NV_DATA_S(plant->rates);
     if (plant->network != ABSENT)
         return plant_network_try(plant, h, bends);
     for (int j = 0; j < plant->state_count; j++)
@@ -288,7 +288,7 @@ static enum dea_status find_bends(struct dea_plant *plant, double h) {
  * looks at y' alone and starts far too long where only the rates jumped, far too short where the state is on the move.
  */
 double plant_first_step(struct dea_plant *plant, double length) {
-    const double *y = N_VGetArrayPointer(plant->y), *yp = N_VGetArrayPointer(plant->yp);
+    const double *y = NV_DATA_S(plant->y), *yp = NV_DATA_S(plant->yp);
     plant->rates_now = yp;
     double longest = 1e-2 * length, speed = norm(plant, y, yp);
     double shortest = plant->network != ABSENT ? FIRST_OVER_SETTLING * plant->options.settle_time : 0.0;
@@ -298,7 +298,7 @@ double plant_first_step(struct dea_plant *plant, double length) {
             h *= 0.01;
             continue;
         }
-        double bend = norm(plant, y, N_VGetArrayPointer(plant->rates)), next = bend > 0.0 ? sqrt(0.5 / bend) : longest;
+        double bend = norm(plant, y, NV_DATA_S(plant->rates)), next = bend > 0.0 ? sqrt(0.5 / bend) : longest;
         bool settled = next > 0.3 * h && next < 3.0 * h;
         h = fmin(fmax(next, shortest), longest);
         if (settled)

@@ -20,11 +20,11 @@ static void store(two values, double *to) {
 }
 
 static double *data_of(N_Vector v) {
-    return ((N_VectorContent_Serial)v->content)->data;
+    return NV_DATA_S(v);
 }
 
 static sunindextype length_of(N_Vector v) {
-    return ((N_VectorContent_Serial)v->content)->length;
+    return NV_LENGTH_S(v);
 }
 
 static void add(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) {
@@ -98,6 +98,37 @@ static int combine(int count, sunrealtype *factors, N_Vector *vectors, N_Vector 
     return 0;
 }
 
+/* What the weights of the loss integrals are made with. */
+
+static void take_magnitudes(N_Vector x, N_Vector z) {
+    const double *u = data_of(x);
+    double *w = data_of(z);
+    for (sunindextype i = 0, n = length_of(z); i < n; i++)
+        w[i] = fabs(u[i]);
+}
+
+static void invert(N_Vector x, N_Vector z) {
+    const double *u = data_of(x);
+    double *w = data_of(z);
+    for (sunindextype i = 0, n = length_of(z); i < n; i++)
+        w[i] = 1.0 / u[i];
+}
+
+static void add_constant(N_Vector x, sunrealtype c, N_Vector z) {
+    const double *u = data_of(x);
+    double *w = data_of(z);
+    for (sunindextype i = 0, n = length_of(z); i < n; i++)
+        w[i] = u[i] + c;
+}
+
+static sunrealtype find_least(N_Vector x) {
+    const double *u = data_of(x);
+    double least = u[0];
+    for (sunindextype i = 1, n = length_of(x); i < n; i++)
+        least = u[i] < least ? u[i] : least;
+    return least;
+}
+
 static int add_each(int count, sunrealtype a, N_Vector *x, sunrealtype b, N_Vector *y, N_Vector *z) {
     for (int k = 0; k < count; k++)
         add(a, x[k], b, y[k], z[k]);
@@ -117,6 +148,10 @@ N_Vector plant_new_vector(sunindextype length, SUNContext context) {
     v->ops->nvlinearsum = add;
     v->ops->nvconst = fill;
     v->ops->nvscale = scale;
+    v->ops->nvabs = take_magnitudes;
+    v->ops->nvinv = invert;
+    v->ops->nvaddconst = add_constant;
+    v->ops->nvmin = find_least;
     v->ops->nvwrmsnorm = weighted_norm;
     v->ops->nvlinearcombination = combine;
     v->ops->nvlinearsumvectorarray = add_each;

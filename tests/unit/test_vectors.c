@@ -57,6 +57,10 @@ static void operate(N_Vector *v, double *norms) {
     assert_int_equal(N_VLinearSumVectorArray(3, 0.5, v, -0.25, v + 3, v + 3), 0);
     assert_int_equal(N_VScaleVectorArray(4, factors, v + 6, v + 6), 0);
     N_VConst(0.125, v[10]);
+    N_VAbs(v[0], v[11]);
+    N_VAddConst(v[11], 0.5, v[11]);
+    norms[2] = N_VMin(v[11]);
+    N_VInv(v[11], v[11]);
 }
 
 static void operations_are_those_of_the_library(void **unused) {
@@ -66,12 +70,12 @@ static void operations_are_those_of_the_library(void **unused) {
     assert_int_equal(SUNContext_Create(NULL, &context), 0);
     for (int length = 1; length <= LONGEST; length++) {
         N_Vector ours[MOST], theirs[MOST];
-        double our_norms[2], their_norms[2];
+        double our_norms[3], their_norms[3];
         make(ours, theirs, MOST, length, context, &state);
         operate(ours, our_norms);
         operate(theirs, their_norms);
         compare(ours, theirs, MOST, length);
-        for (int i = 0; i < 2; i++)
+        for (int i = 0; i < 3; i++)
             assert_true(fabs(our_norms[i] - their_norms[i]) < 1e-14);
         for (int k = 0; k < MOST; k++) {
             N_VDestroy(ours[k]);
