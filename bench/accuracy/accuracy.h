@@ -39,8 +39,8 @@ struct run {
     int impacts; /* on end stops */
     struct rows rows;
 };
-/* `engine` as on the command line; `every` signal is written where the scene picks some. */
-void run_scene(const char *program, const char *scene, const char *engine, double accuracy, double sample, bool every,
+/* `engine` as on the command line. Every signal is written, also where the scene picks some. */
+void run_scene(const char *program, const char *scene, const char *engine, double accuracy, double sample,
                const char *folder, double limit, struct run *run);
 void run_clear(struct run *run);
 

@@ -18,7 +18,7 @@
 struct study {
     const char *program, *folder, *scene;
     double stop, sample; /* s; 0: not known here */
-    bool netlist, every;
+    bool netlist;
     struct rows reference;
     char reference_name[16];
     double reference_at, doubt;
@@ -43,15 +43,13 @@ static struct point *add_point(struct points *points) {
  * looser. */
 static bool find_reference(struct study *study) {
     struct run run;
-    run_scene(study->program, study->scene, "auto", 1e-3, study->sample, study->every, study->folder, REFERENCE_LIMIT,
-              &run);
+    run_scene(study->program, study->scene, "auto", 1e-3, study->sample, study->folder, REFERENCE_LIMIT, &run);
     bool stiff = strcmp(run.mode, "cosim") == 0, good = run.good;
     if (!good)
         fprintf(stderr, "%s: %s\n", study->scene, run.problem);
     run_clear(&run);
     for (double accuracy = stiff ? 1e-8 : 1e-9; good && accuracy < 2e-6; accuracy *= 10.0) {
-        run_scene(study->program, study->scene, "auto", accuracy, study->sample, study->every, study->folder,
-                  REFERENCE_LIMIT, &run);
+        run_scene(study->program, study->scene, "auto", accuracy, study->sample, study->folder, REFERENCE_LIMIT, &run);
         if (!run.good) {
             run_clear(&run);
             continue;
@@ -61,8 +59,8 @@ static bool find_reference(struct study *study) {
         study->impacts = run.impacts;
         study->expected = run.rows.count;
         snprintf(study->reference_name, sizeof study->reference_name, "%s", run.mode);
-        run_scene(study->program, study->scene, "auto", 10.0 * accuracy, study->sample, study->every, study->folder,
-                  REFERENCE_LIMIT, &run);
+        run_scene(study->program, study->scene, "auto", 10.0 * accuracy, study->sample, study->folder, REFERENCE_LIMIT,
+                  &run);
         if (run.good) {
             struct delivered d = rows_compare(&run.rows, &study->reference);
             study->doubt = fmax(d.x, d.ports);
@@ -93,8 +91,7 @@ static void measure(struct study *study, const char *engine) {
         struct run run;
         struct point *point = add_point(study->points);
         point->asked = pow(10.0, -decade);
-        run_scene(study->program, study->scene, engine, point->asked, study->sample, study->every, study->folder,
-                  RUN_LIMIT, &run);
+        run_scene(study->program, study->scene, engine, point->asked, study->sample, study->folder, RUN_LIMIT, &run);
         snprintf(point->scene, sizeof point->scene, "%s", study->scene);
         snprintf(point->mode, sizeof point->mode, "%s",
                  run.mode[0] != '\0'               ? run.mode
@@ -130,7 +127,6 @@ static void study_scene(struct study *study) {
     study->netlist = scene.netlist != NULL;
     study->stop = scene.has_transient ? scene.stop : 0.0;
     study->sample = study->stop / SAMPLES;
-    study->every = scene.signal_count > 0;
     dea_scene_clear(&scene);
     study->doubt = NAN;
     if (find_reference(study)) {

@@ -44,7 +44,7 @@ static void name_problem(struct run *run, const struct process_result *result) {
         snprintf(run->problem, sizeof run->problem, "exit %d", result->code);
 }
 
-void run_scene(const char *program, const char *scene, const char *engine, double accuracy, double sample, bool every,
+void run_scene(const char *program, const char *scene, const char *engine, double accuracy, double sample,
                const char *folder, double limit, struct run *run) {
     char json[PATH_ROOM], promise[32], spacing[64], out[PATH_ROOM], raw[PATH_ROOM + 16];
     *run = (struct run){0};
@@ -67,7 +67,7 @@ void run_scene(const char *program, const char *scene, const char *engine, doubl
                           "--set",
                           "output.formats=[raw]",
                           "--set",
-                          every ? "output.signals=null" : "output.formats=[raw]",
+                          "output.signals=null",
                           sample > 0.0 ? "--set" : NULL,
                           spacing,
                           NULL};

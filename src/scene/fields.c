@@ -222,9 +222,10 @@ enum dea_status dea_fields_check_keys(const struct dea_node *mapping, const char
     }
     for (size_t i = 0; i < mapping->count; i++) {
         const struct dea_node *key = mapping->keys[i];
-        if (strcmp(key->text, "source") == 0 || strcmp(key->text, "notes") == 0)
+        bool provenance = strcmp(key->text, "source") == 0 || strcmp(key->text, "notes") == 0;
+        if (provenance && dea_node_get(mapping, key->text) != NULL)
             DEA_TRY(check_provenance(mapping->items[i], error));
-        else if (find_field(fields, field_count, key->text) == NULL)
+        if (!provenance && find_field(fields, field_count, key->text) == NULL)
             return refuse_key(key, fields, field_count, error);
     }
     for (size_t i = 0; i < field_count; i++)

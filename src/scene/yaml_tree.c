@@ -108,9 +108,19 @@ size_t dea_node_find(const struct dea_node *mapping, const char *key) {
     return i;
 }
 
+/* What `--set key=null` leaves where there was no such key: the null, and the mappings made on the way to it. */
+static bool is_nothing_set(const struct dea_node *node) {
+    if (!node->origin->is_override || node->kind != DEA_NODE_MAPPING)
+        return node->origin->is_override && dea_node_is_null(node);
+    size_t nothing = 0;
+    while (nothing < node->count && is_nothing_set(node->items[nothing]))
+        nothing++;
+    return nothing > 0 && nothing == node->count;
+}
+
 struct dea_node *dea_node_get(const struct dea_node *mapping, const char *key) {
     size_t i = dea_node_find(mapping, key);
-    return i < mapping->count ? mapping->items[i] : NULL;
+    return i < mapping->count && !is_nothing_set(mapping->items[i]) ? mapping->items[i] : NULL;
 }
 
 bool dea_node_is_null(const struct dea_node *node) {

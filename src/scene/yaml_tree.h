@@ -68,7 +68,7 @@ char *dea_tree_copy_text(struct dea_tree *tree, const char *text, size_t length)
 /* Index of a key in a mapping; `count` when it is not there or `mapping` is none. */
 size_t dea_node_find(const struct dea_node *mapping, const char *key);
 
-/* Value of a key in a mapping, NULL when it is not there or `mapping` is none. */
+/* Value of a key in a mapping, NULL when it is not there, when `--set` has taken it away, or when `mapping` is none. */
 struct dea_node *dea_node_get(const struct dea_node *mapping, const char *key);
 
 /* The path a scalar names, relative to the folder of the file it stands in (an override: the working folder). malloc'd;

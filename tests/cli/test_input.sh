@@ -82,6 +82,7 @@ refused "unknown key 'resitance'; did you mean 'resistance'?" --set drive.left.r
 refused "unknown key 'centre'; allowed: left, right" --set device.zones.centre.length=1
 refused "the key 'stop' is missing" --set transient.stop=null
 refused "the key 'transient' is missing" --set transient=null
+refused "unknown key 'nothing'; allowed: title, device," --set nothing.here=null
 refused "the key 'drive' of a scene is missing (drive: {} grounds every electrode)" --set drive=null
 refused "the key 'device' of a scene is missing" --set device=null
 refused "the key 'width' of a geometry is missing" --set device.geometry.width=null

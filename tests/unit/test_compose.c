@@ -139,6 +139,37 @@ static void overrides_apply_in_order(void **state) {
     dea_scene_clear(&scene);
 }
 
+/* Taking away what a scene does not have changes nothing, on the way there either; a key that no scene has is a
+ * mistake. */
+static void null_removes_what_is_not_there(void **state) {
+    (void)state;
+    struct dea_scene scene;
+    struct dea_error error = {0};
+    const struct dea_override overrides[] = {
+        {"output.signals", "null"},
+        {"initial.x", "null"},
+        {"load", "~"},
+        {"device.zones.left.notes", "null"},
+        {"drive.right.resistance", "null"},
+        {"transient.max_step", "null"},
+    };
+    if (dea_scene_read("scene.yaml", overrides, sizeof overrides / sizeof overrides[0], &scene, &error) != DEA_OK)
+        fail_msg("%s", error.text);
+    assert_null(scene.signals);
+    assert_false(scene.has_initial_x);
+    assert_true(scene.stop == 0.4 && scene.sample == 0.1e-3);
+    dea_scene_clear(&scene);
+
+    const struct dea_override mistaken[] = {{"output.singals", "null"}};
+    assert_int_equal(dea_scene_read("scene.yaml", mistaken, 1, &scene, &error), DEA_ERR_INPUT);
+    assert_non_null(strstr(error.text, "unknown key 'singals'; did you mean 'signals'?"));
+    dea_scene_clear(&scene);
+    const struct dea_override twice[] = {{"transient.stop", "null"}, {"transient.stop", "null"}};
+    assert_int_equal(dea_scene_read("scene.yaml", twice, 2, &scene, &error), DEA_ERR_INPUT);
+    assert_non_null(strstr(error.text, "the key 'stop' is missing"));
+    dea_scene_clear(&scene);
+}
+
 static void an_override_may_name_a_file(void **state) {
     (void)state;
     struct dea_scene scene;
@@ -195,6 +226,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(base_keys_hold_until_overridden),
         cmocka_unit_test(null_removes_a_key_of_the_base),
+        cmocka_unit_test(null_removes_what_is_not_there),
         cmocka_unit_test(another_law_replaces_the_whole_mapping),
         cmocka_unit_test(paths_are_relative_to_the_file_that_names_them),
         cmocka_unit_test(says_the_chain_of_a_circle),

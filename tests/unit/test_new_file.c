@@ -148,8 +148,10 @@ static void full_disk_leaves_the_old_one(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(appears_whole),           cmocka_unit_test(links_are_followed),
-        cmocka_unit_test(only_files_are_replaced), cmocka_unit_test(protected_file_stays),
+        cmocka_unit_test(appears_whole),
+        cmocka_unit_test(links_are_followed),
+        cmocka_unit_test(only_files_are_replaced),
+        cmocka_unit_test(protected_file_stays),
         cmocka_unit_test(full_disk_leaves_the_old_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
