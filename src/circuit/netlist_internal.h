@@ -19,6 +19,9 @@ enum dea_status dea_netlist_read_files(struct dea_netlist_job *job, const char *
 /* Decides for every line whether it passes; may rewrite it (options, file names). */
 enum dea_status dea_netlist_vet(struct dea_netlist_job *job);
 
+/* Refuses a URC line, or a model of one, that would keep ngspice for ever. A line with all its words, or .model. */
+enum dea_status dea_netlist_check_urc(struct dea_netlist_job *job, int index);
+
 /* Refuses functions that ngspice cannot put in or crashes over. After vetting: brackets match. */
 enum dea_status dea_netlist_check_functions(struct dea_netlist_job *job);
 

@@ -161,6 +161,7 @@ static enum dea_status vet_model(struct dea_netlist_job *job, int index) {
         words++;
     if (words < 3)
         return dea_netlist_fail(job, index, ".model needs a name and a type");
+    DEA_TRY(dea_netlist_check_urc(job, index));
     return vet_file_parameters(job, index);
 }
 
@@ -385,6 +386,8 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
         DEA_TRY(check_brackets(job, i));
         DEA_TRY(check_words(job, i));
         DEA_TRY(check_nodes(job, i));
+        if (tolower((unsigned char)first) == 'u')
+            DEA_TRY(dea_netlist_check_urc(job, i));
     }
     return DEA_OK;
 }

@@ -312,7 +312,8 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         result->circuit_gave_up = status == DEA_ERR_SOLVER && run.status == DEA_OK && run.reached > 0.0;
         if (status == DEA_OK)
             status = report_failure(&run, error);
-        if ((status == DEA_OK || status == DEA_ERR_INTERRUPTED) && run.reached > run.exchanged_at) {
+        bool keeps = status == DEA_OK || status == DEA_ERR_INTERRUPTED || result->circuit_gave_up;
+        if (keeps && run.reached > run.exchanged_at) { /* the devices follow to where the circuit got */
             enum dea_status last = exchange_all(&run, status >= 0 ? error : NULL);
             if (status == DEA_OK)
                 status = last;

@@ -125,6 +125,10 @@ expect 0 "$DEASIM" run scene.yaml -o run -q --engine ngspice
 rm .spiceinit
 
 # ---- what crashes ngspice or never ends ----
+bad 2 "bad.cir:6: n of a URC line must be a plain number from 1 to 200, not \"100k\"" "U1 left q 0 m l=1 n=100k" \
+    ".model m urc(rperl=1k cperl=1p)"
+printf '%s\n' "$head" "U1 left q 0 m l=1 n=200" ".model m urc(rperl=1k cperl=1p)" "R1 q 0 1meg" >bad.cir
+expect 0 "$DEASIM" run scene.yaml -o run -q
 bad 2 "bad.cir:6: max() takes 2 arguments, 3 are given" "B1 q 0 V=max(V(left),1,2)" "R1 q 0 1k"
 bad 2 "bad.cir:6: .func f calls itself" ".func f(x) {f(x)+1}" "R1 left 0 {f(1)}"
 bad 2 "bad.cir:7: subcircuits nested more than 20 deep (does a call itself?)" ".subckt a n" "X1 n a" ".ends" "X1 left a"

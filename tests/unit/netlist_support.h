@@ -1,0 +1,35 @@
+/* Netlists given as text: whether they pass. */
+#ifndef NETLIST_SUPPORT_H
+#define NETLIST_SUPPORT_H
+
+#include "circuit/netlist.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* Reads title and text; `says` NULL: it passes. */
+static inline void expect(const char *text, const char *says) {
+    static const struct dea_netlist_options options;
+    char path[] = "netlist-test-XXXXXX";
+    struct dea_netlist netlist;
+    struct dea_error error = {0};
+    int descriptor = mkstemp(path);
+    FILE *file = descriptor >= 0 ? fdopen(descriptor, "w") : NULL;
+    assert_non_null(file);
+    fprintf(file, "title\n%s", text);
+    fclose(file);
+    enum dea_status status = dea_netlist_read(path, &options, &netlist, &error);
+    unlink(path);
+    dea_netlist_clear(&netlist);
+    if (says == NULL ? status != DEA_OK : status != DEA_ERR_INPUT || strstr(error.text, says) == NULL)
+        fail_msg("netlist:\n%s\nexpected \"%s\", got %d \"%s\"", text, says != NULL ? says : "", status, error.text);
+}
+
+#endif
