@@ -54,10 +54,10 @@ static const char *find_whole_line(struct reader *reader, const char *listed, co
         const char *text = netlist->lines[i].text, *a = listed, *b = text;
         if (!netlist->lines[i].passed || strlen(text) < LISTING_CUT)
             continue;
-        for (; *a != '\0' && *b != '\0'; a++, b++) {
+        for (;; a++, b++) {
             a += strspn(a, SEPARATORS);
             b += strspn(b, SEPARATORS);
-            if (tolower((unsigned char)*a) != tolower((unsigned char)*b))
+            if (*a == '\0' || tolower((unsigned char)*a) != tolower((unsigned char)*b))
                 break;
         }
         if (*a == '\0')

@@ -1,5 +1,5 @@
-/* Recognises linear circuits: R, C, L, K, independent and linear controlled sources, read back flattened from ngspice,
- * as equations that can be solved together with the device. */
+/* Recognises linear circuits: R, C, L, K, independent and linear controlled sources, from plain lines or read back
+ * flattened from ngspice, as equations that can be solved together with the device. */
 #ifndef DEASIM_CIRCUIT_LINEAR_H
 #define DEASIM_CIRCUIT_LINEAR_H
 
@@ -9,6 +9,11 @@
 /* False when a line of the netlist shows at once that it is not linear, or asks for something only ngspice does
  * (uic, several devices). Costs no ngspice. */
 bool dea_linear_possible(const struct dea_netlist *netlist);
+
+/* Lists the circuit as dea_engine_list does, but from the netlist alone, after dea_linear_possible. *plain is false
+ * where only ngspice knows what the lines mean. The caller clears the listing, also after a failure. */
+enum dea_status dea_linear_list(const struct dea_netlist *netlist, struct dea_listing *listing, bool *plain,
+                                struct dea_error *error);
 
 /* True when every .measure line can be evaluated on a file of the circuit's unknowns: no parameters in it. */
 bool dea_measures_movable(const struct dea_netlist *netlist);

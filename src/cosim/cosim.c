@@ -217,10 +217,8 @@ static void pass_message(void *context, enum dea_message_kind kind, const char *
 
 /* ---- the run ---- */
 
-enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
+enum dea_status cosim_keep_measures(const struct dea_engine_measure *measures, int count, struct dea_result *result,
                                     struct dea_error *error) {
-    int count = 0;
-    const struct dea_engine_measure *measures = dea_engine_measures(engine, &count);
     if (count == 0)
         return DEA_OK;
     result->measures = calloc((size_t)count, sizeof *result->measures);
@@ -323,7 +321,9 @@ enum dea_status cosim_run(const struct dea_scene *scene, const struct dea_netlis
         if (closed != DEA_OK && status >= 0)
             status = closed;
         settle_books(&run);
-        enum dea_status measured = cosim_keep_measures(run.engine, result, status >= 0 ? error : NULL);
+        int count = 0;
+        const struct dea_engine_measure *measures = dea_engine_measures(run.engine, &count);
+        enum dea_status measured = cosim_keep_measures(measures, count, result, status >= 0 ? error : NULL);
         if (measured != DEA_OK && status >= 0)
             status = measured;
     }

@@ -14,8 +14,8 @@ enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, 
 enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,
                                        struct dea_error *error);
 
-/* The engine's .measure results into the result. */
-enum dea_status cosim_keep_measures(const struct dea_engine *engine, struct dea_result *result,
+/* .measure results into the result. */
+enum dea_status cosim_keep_measures(const struct dea_engine_measure *measures, int count, struct dea_result *result,
                                     struct dea_error *error);
 
 /* Voltage (V) a device is meant for: its breakdown field over the resting film; without one, where Maxwell stress meets

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Of the run's length: the two steps after a corner that find the rates of a circuit's unknowns. Far below any time
  * constant that matters, far above the rounding of time. */
@@ -15,7 +16,9 @@ struct native_run {
     const struct dea_scene *scene;
     const struct native_circuit *circuit; /* NULL: native sources */
     const struct dea_network *network;    /* of the circuit */
-    double *unknowns;                     /* owned; of the network, for the tap */
+    double *rows;                         /* owned; of the network's unknowns, for the tap */
+    int row_length;
+    bool jumped; /* since the last of these rows */
     const struct dea_run_options *options;
     double stop; /* s */
     struct dea_plant *plant;
@@ -126,22 +129,25 @@ static enum dea_status apply_policy(struct native_run *run, enum dea_policy poli
                 dea_plant_short_film(run->plant, k, 1.0 / SHORT_RESISTANCE);
         observer_break(run->observer);
         DEA_TRY(dea_plant_restart(run->plant, &run->inputs, error));
+        run->jumped = true;
         return observer_resume(run->observer, 0, dea_plant_time(run->plant), error);
     }
     return DEA_OK;
 }
 
-/* The circuit's unknowns at the end of the step, and in between: what reads them draws straight lines. */
+/* The course of the circuit's unknowns over a step. Its start is the end of the last one, unless something jumped. */
 static enum dea_status tap_circuit(struct native_run *run, double from, double to, struct dea_error *error) {
-    enum { PARTS = 4 };
     if (run->circuit == NULL || run->circuit->tap == NULL)
         return DEA_OK;
-    for (int part = 1; part <= PARTS; part++) {
-        double t = part == PARTS ? to : from + (to - from) * part / PARTS, x;
-        DEA_TRY(dea_plant_network(run->plant, t, run->unknowns, &x, error));
-        DEA_TRY(run->circuit->tap(run->circuit->tap_context, t, run->unknowns, x, error));
+    double *last = run->rows + (CIRCUIT_ROWS - 1) * run->row_length;
+    memcpy(run->rows, last, (size_t)run->row_length * sizeof *last);
+    for (int i = run->jumped ? 0 : 1; i < CIRCUIT_ROWS; i++) {
+        double *row = run->rows + i * run->row_length;
+        double t = i == CIRCUIT_ROWS - 1 ? to : from + (to - from) * i / (CIRCUIT_ROWS - 1);
+        DEA_TRY(dea_plant_network(run->plant, t, row, &row[run->row_length - 1], error));
     }
-    return DEA_OK;
+    run->jumped = false;
+    return run->circuit->tap(run->circuit->tap_context, from, to, run->rows, error);
 }
 
 /* Until the next corner. */
@@ -185,6 +191,7 @@ static enum dea_status start_plant(struct native_run *run, struct dea_error *err
 static enum dea_status turn_corner(struct native_run *run, double corner, struct dea_error *error) {
     set_inputs(run, corner);
     DEA_TRY(dea_plant_restart(run->plant, &run->inputs, error));
+    run->jumped = true;
     observer_break(run->observer);
     DEA_TRY(observer_resume(run->observer, 0, dea_plant_time(run->plant), error));
     int zone;
@@ -194,6 +201,7 @@ static enum dea_status turn_corner(struct native_run *run, double corner, struct
 
 static enum dea_status integrate(struct native_run *run, struct dea_error *error) {
     DEA_TRY(start_plant(run, error));
+    run->jumped = true;
     DEA_TRY(tap_circuit(run, 0.0, 0.0, error));
     double corner = 0.0;
     while (corner < run->stop) {
@@ -208,18 +216,19 @@ enum dea_status run_native(const struct dea_scene *scene, const struct native_ci
                            const struct dea_run_options *options, const struct row_sink *sink,
                            struct dea_result *result, struct dea_error *error) {
     struct native_run run = {.scene = scene, .circuit = circuit, .options = options, .stop = scene->stop};
-    size_t sources = 1, unknowns = 1;
+    size_t sources = 1;
+    run.row_length = 1; /* the position */
     if (circuit != NULL) {
         run.network = circuit->network;
         run.stop = circuit->stop;
         sources += run.network->source_count;
-        unknowns += (size_t)(run.network->node_count + run.network->branch_count);
+        run.row_length += run.network->node_count + run.network->branch_count;
     }
     run.pieces = calloc(sources, sizeof *run.pieces);
-    run.unknowns = calloc(unknowns, sizeof *run.unknowns);
-    if (run.pieces == NULL || run.unknowns == NULL) {
+    run.rows = calloc((size_t)run.row_length * CIRCUIT_ROWS, sizeof *run.rows);
+    if (run.pieces == NULL || run.rows == NULL) {
         free(run.pieces);
-        free(run.unknowns);
+        free(run.rows);
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit's sources");
     }
     enum dea_status status = create_plant(&run, error);
@@ -242,6 +251,6 @@ enum dea_status run_native(const struct dea_scene *scene, const struct native_ci
     }
     dea_plant_destroy(run.plant);
     free(run.pieces);
-    free(run.unknowns);
+    free(run.rows);
     return status;
 }

@@ -9,11 +9,14 @@
 struct native_circuit {
     const struct dea_network *network;
     double stop; /* end of the run, s */
-    /* Told the circuit's unknowns (V, A) and the platform's position (m) in time order, closer than the integrator's
-     * steps; may be NULL. */
-    enum dea_status (*tap)(void *context, double t, const double *unknowns, double x, struct dea_error *error);
+    /* Told every step's course in time order, first the start with from = to = 0; may be NULL. rows holds CIRCUIT_ROWS
+     * rows at equal distances from `from` to `to` (s): the circuit's unknowns (V, A), then the platform's position (m).
+     */
+    enum dea_status (*tap)(void *context, double from, double to, const double *rows, struct dea_error *error);
     void *tap_context;
 };
+
+#define CIRCUIT_ROWS 5
 
 /* The scene's single device on its native sources, or in `circuit` (NULL: none). Rows go to the sink; otherwise as
  * dea_run_scene. */

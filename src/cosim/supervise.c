@@ -89,9 +89,10 @@ static enum dea_status run_child(struct dea_channel *channel, void *context, str
     child->options->report->terminal = child->terminal;
     struct row_sink sink = {.context = child, .open = send_open, .row = send_row};
     bool done = false;
-    enum dea_status status = child->control.relaxed == 0 ? run_linear(child->scene, child->netlist, child->options,
-                                                                      &sink, &child->result, &done, error)
-                                                         : DEA_OK;
+    enum dea_status status =
+        child->control.relaxed == 0
+            ? run_linear(child->scene, child->netlist, true, child->options, &sink, &child->result, &done, error)
+            : DEA_OK;
     if (status == DEA_OK && !done)
         status = cosim_run(child->scene, child->netlist, child->options, &child->control, &sink, channel,
                            &child->result, error);
@@ -166,40 +167,49 @@ static FILE *keep_terminal(const struct dea_report *report) {
     return terminal;
 }
 
+/* The run in a child process, again with looser tolerances where the circuit gives up. */
+static enum dea_status run_in_child(const struct dea_scene *scene, const struct dea_netlist *netlist,
+                                    const struct dea_run_options *options, const struct row_sink *sink,
+                                    struct dea_result *result, struct dea_error *error) {
+    DEA_TRY(dea_engine_preload(error)); /* here, so that a process of many runs does it once */
+    char log[4096] = "";
+    if (options->directory != NULL)
+        snprintf(log, sizeof log, "%s/log.txt", options->directory);
+    struct child child = {
+        .scene = scene, .netlist = netlist, .options = options, .terminal = keep_terminal(options->report)};
+    struct parent parent = {.sink = sink, .result = result};
+    struct dea_isolate_limits limits = {.wall_s = options->time_limit,
+                                        .silence_s = SILENCE_LIMIT,
+                                        .log_path = log[0] != '\0' ? log : NULL,
+                                        .stop = options->interrupt};
+    enum dea_status status;
+    for (;; child.control.relaxed++) {
+        fflush(NULL); /* the child must not write buffers twice */
+        status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
+        if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.control.relaxed == MAX_RELAXED)
+            break;
+        dea_report_warn(options->report, "%s\nrepeating the run with looser tolerances in the circuit", error->text);
+        dea_result_clear(result);
+    }
+    if (child.control.relaxed > 0 && status >= 0)
+        dea_report_warn(options->report,
+                        "the circuit's tolerances were loosened %d times to get through: the result may miss the "
+                        "accuracy asked for; compare with a run at another --accuracy",
+                        child.control.relaxed);
+    if (child.terminal != NULL)
+        fclose(child.terminal);
+    return status;
+}
+
 enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_run_options *options,
                                const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
     struct dea_netlist netlist = {0};
+    bool done = false;
     enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
-    if (status == DEA_OK) /* here, so that a process of many runs does it once */
-        status = dea_engine_preload(error);
-    if (status == DEA_OK) {
-        char log[4096] = "";
-        if (options->directory != NULL)
-            snprintf(log, sizeof log, "%s/log.txt", options->directory);
-        struct child child = {
-            .scene = scene, .netlist = &netlist, .options = options, .terminal = keep_terminal(options->report)};
-        struct parent parent = {.sink = sink, .result = result};
-        struct dea_isolate_limits limits = {.wall_s = options->time_limit,
-                                            .silence_s = SILENCE_LIMIT,
-                                            .log_path = log[0] != '\0' ? log : NULL,
-                                            .stop = options->interrupt};
-        for (;; child.control.relaxed++) {
-            fflush(NULL); /* the child must not write buffers twice */
-            status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
-            if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.control.relaxed == MAX_RELAXED)
-                break;
-            dea_report_warn(options->report, "%s\nrepeating the run with looser tolerances in the circuit",
-                            error->text);
-            dea_result_clear(result);
-        }
-        if (child.control.relaxed > 0 && status >= 0)
-            dea_report_warn(options->report,
-                            "the circuit's tolerances were loosened %d times to get through: the result may miss the "
-                            "accuracy asked for; compare with a run at another --accuracy",
-                            child.control.relaxed);
-        if (child.terminal != NULL)
-            fclose(child.terminal);
-    }
+    if (status == DEA_OK && options->time_limit <= 0.0) /* only a child can be ended by the clock */
+        status = run_linear(scene, &netlist, false, options, sink, result, &done, error);
+    if (status == DEA_OK && !done)
+        status = run_in_child(scene, &netlist, options, sink, result, error);
     dea_netlist_clear(&netlist);
     return status;
 }

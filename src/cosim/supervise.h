@@ -4,8 +4,8 @@
 
 #include "cosim/observer.h"
 
-/* Reads the netlist here, runs the coupled scene in a child, passes its rows to the sink. Same contract as
- * dea_run_scene. */
+/* Reads the netlist. A plain linear one is solved here; any other scene runs in a child, whose rows are passed to the
+ * sink. Same contract as dea_run_scene. */
 enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_run_options *options,
                                const struct row_sink *sink, struct dea_result *result, struct dea_error *error);
 

@@ -79,3 +79,21 @@ has out '"mode":	"cosim"'
 circuit ".measure tran m MAX par('v(left); shell touch executed')"
 "$DEASIM" run scene.yaml --json -q >out 2>err || true # ngspice may refuse it, but not obey it
 [ ! -e executed ] || { echo 'a .measure line ran a command'; exit 1; }
+# plain netlists are read without ngspice, which reads them in a run that is given a time limit: no difference
+for measure in vpeak tring ipeak esupply; do
+    expect 0 "$DEASIM" run "$ROOT/examples/rlc.yaml" --json -q
+    cp out plain.json
+    expect 0 "$DEASIM" run "$ROOT/examples/rlc.yaml" --json -q --time-limit 100s
+    has out '"mode":	"linear"'
+    close "$(number $measure plain.json)" "$(number $measure out)" 1e-9
+done
+# .measure lines that only ngspice understands are evaluated by it, beside those that are not
+circuit ".measure tran root MAX par('sqrt(v(s))')" '.measure tran peak MAX v(s)'
+expect 0 "$DEASIM" run scene.yaml --json
+has out '"mode":	"linear"'
+jq -e '(.measures.root - 31.6228 | fabs) < 1e-4 and .measures.peak == 1000' out >tested
+# a window the run never reaches has no average
+circuit '.measure tran late AVG v(s) FROM=3m TO=4m'
+expect 0 "$DEASIM" run scene.yaml --json
+jq -e '.measures.late == null' out >tested
+has err '.measure tran late failed'
