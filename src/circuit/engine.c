@@ -27,7 +27,7 @@
 
 /* The engine ngspice's callbacks serve. ngspice itself is one per process, and so is this. */
 static struct dea_engine *current_engine;
-static bool library_started, library_dead;
+static bool library_started, library_dead, code_models_added;
 
 /* libngspice, loaded when the first circuit needs it; its functions by their names without ngSpice_. */
 static struct {
@@ -209,15 +209,29 @@ int dea_engine_command(const char *text) {
     return spice.command(buffer);
 }
 
-/* Initialises ngspice from a folder of its own that holds an empty .spiceinit: ngspice runs the one of the current
- * folder, or else the one of the home folder. */
-static enum dea_status start_in_folder(const char *folder, struct dea_error *error) {
-    int file = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+static enum dea_status make_empty_file(const char *name, const char *folder, struct dea_error *error) {
+    int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (file < 0)
         return dea_fail(error, DEA_ERR_SOLVER, "cannot write into %s: %s", folder, strerror(errno));
     close(file);
-    int failed = spice.init(hear_line, NULL, note_exit, take_point, ignore_vectors, NULL, NULL);
+    return DEA_OK;
+}
+
+/* Initialises ngspice from a folder of its own that holds an empty .spiceinit: ngspice runs the one of the current
+ * folder, or else the one of the home folder. And an empty spinit: the system's loads all code models. */
+static enum dea_status start_in_folder(const char *folder, struct dea_error *error) {
+    enum dea_status status = make_empty_file(".spiceinit", folder, error);
+    if (status == DEA_OK)
+        status = make_empty_file("spinit", folder, error);
+    int failed = 0;
+    if (status == DEA_OK) {
+        setenv("SPICE_SCRIPTS", folder, 1);
+        failed = spice.init(hear_line, NULL, note_exit, take_point, ignore_vectors, NULL, NULL);
+        unsetenv("SPICE_SCRIPTS");
+    }
     unlink(".spiceinit");
+    unlink("spinit");
+    DEA_TRY(status);
     if (failed || library_dead)
         return dea_fail(error, DEA_ERR_SOLVER, "libngspice does not start");
     return DEA_OK;
@@ -281,16 +295,19 @@ enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *er
 
 /* ---- load ---- */
 
-/* Removes the circuit before, its results and stop conditions. ngspice talks meanwhile, but those who listened to the
- * run need not be there any more. */
+/* Removes the circuit, its results and stop conditions. ngspice talks meanwhile, but those who listened to the run need
+ * not be there any more. */
+static void forget_circuit(struct dea_engine *engine) {
+    current_engine = NULL;
+    dea_engine_command("destroy all");
+    dea_engine_command("delete all");
+    dea_engine_command("remcirc");
+    current_engine = engine;
+}
+
 static void unload(struct dea_engine *engine) {
-    if (engine->netlist != NULL && !library_dead) {
-        current_engine = NULL;
-        dea_engine_command("destroy all");
-        dea_engine_command("delete all");
-        dea_engine_command("remcirc");
-        current_engine = engine;
-    }
+    if (engine->netlist != NULL && !library_dead)
+        forget_circuit(engine);
     dea_engine_clear_ports(engine);
     dea_engine_clear_complaints(engine);
     dea_switches_destroy(engine->switches);
@@ -301,6 +318,21 @@ static void unload(struct dea_engine *engine) {
     engine->breakpoints = NULL;
     engine->measure_count = engine->breakpoint_count = 0;
     engine->netlist = NULL;
+}
+
+static enum dea_status add_code_models(struct dea_error *error) {
+    if (code_models_added)
+        return DEA_OK;
+    void *function;
+    memcpy(&function, &spice.circ, sizeof function); /* POSIX: both kinds of pointer are alike */
+    DEA_TRY(dea_engine_add_code_models(function, error));
+    code_models_added = true;
+    return DEA_OK;
+}
+
+static bool load_circuit(struct dea_engine *engine) {
+    int failed = spice.circ(engine->deck->lines);
+    return !failed && engine->complaints.count == 0 && !engine->complaints.exit_requested;
 }
 
 enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netlist *netlist,
@@ -322,9 +354,17 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
         snprintf(engine->measures[i].name, sizeof engine->measures[i].name, "%s", netlist->measures[i]);
         engine->measures[i].failed = true;
     }
+    if (netlist->has_event_parts)
+        DEA_TRY(add_code_models(error));
     spice.input_path(netlist->folder);
-    int failed = spice.circ(deck->lines);
-    if (failed || engine->complaints.count > 0 || engine->complaints.exit_requested)
+    bool loaded = load_circuit(engine);
+    if (!loaded && engine->complaints.model_missing && !code_models_added) {
+        DEA_TRY(add_code_models(error));
+        forget_circuit(engine);
+        dea_engine_clear_complaints(engine);
+        loaded = load_circuit(engine);
+    }
+    if (!loaded)
         return dea_engine_complain(engine, DEA_ERR_INPUT, "ngspice refuses the circuit", NULL, error);
     return dea_switches_find(engine, &engine->switches, error);
 }

@@ -65,7 +65,8 @@ struct dea_listing {
  * DEA_ERR_INTERNAL when it is not installed. */
 enum dea_status dea_engine_preload(struct dea_error *error);
 
-/* Starts ngspice in this process: C number locale, the system's code models, no .spiceinit of folder or home.
+/* Starts ngspice in this process: C number locale, nobody's .spiceinit or spinit; code models come with a netlist that
+ * needs them.
  * DEA_ERR_SOLVER when the library is unusable, DEA_ERR_INTERNAL when an engine exists already. */
 enum dea_status dea_engine_open(struct dea_engine **engine, struct dea_error *error);
 

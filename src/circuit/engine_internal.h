@@ -28,6 +28,7 @@ struct dea_complaints {
     int expect_detail;   /* lines to come that belong to the error before */
     bool exit_requested; /* ControlledExit: ngspice is unusable from now on */
     bool aborted;        /* the transient ended early */
+    bool model_missing;  /* a code model that is not known */
     bool misread;        /* ngspice took the circuit but not a value in it: bad input, found late */
     bool searching;      /* for the trouble behind a failed start: errors are no news, only `worst` counts */
     bool searched, search_failed;
@@ -101,6 +102,10 @@ int dea_engine_command(const char *text);
 
 /* ---- settings.c ---- */
 void dea_engine_settle(void);
+/* Loads the code models that lie beside the library a function belongs to. Once is enough for a process; a circuit that
+ * needs none is not held up by them: in every iteration ngspice goes through the kinds of parts it knows many times,
+ * and two of three come from code models (8 % of a converter's run). */
+enum dea_status dea_engine_add_code_models(void *function, struct dea_error *error);
 
 /* ---- verdict.c ---- */
 /* What an early end of the transient means, as a status with its message. */

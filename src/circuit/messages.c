@@ -284,6 +284,7 @@ void dea_engine_hear(struct dea_engine *engine, const char *line) {
     if (singular != NULL)
         snprintf(complaints->singular, sizeof complaints->singular, "%s",
                  singular + strlen("check node") + strspn(singular + strlen("check node"), "s: "));
+    complaints->model_missing = complaints->model_missing || begins(text, "MIF-ERROR - unable to find definition");
     if (begins(text, "Measurements for"))
         complaints->measuring = true;
     bool warning = strncasecmp(text, "warning", 7) == 0;

@@ -1,6 +1,10 @@
 /* What ngspice is told once, at its start: leave out what nobody reads. */
 #include "circuit/engine_internal.h"
 
+#include <dlfcn.h>
+#include <glob.h>
+#include <stdio.h>
+#include <string.h>
 #include <sys/timeb.h>
 #include <time.h>
 
@@ -20,4 +24,22 @@ void dea_engine_settle(void) {
     dea_engine_command("optran 1 1 1 0 0 0");
     dea_engine_command("set num_threads=1"); /* threads cost more than they bring in small circuits */
     dea_engine_command("set norefvalue");    /* a progress line, for which it asks the kernel at every point */
+}
+
+enum dea_status dea_engine_add_code_models(void *function, struct dea_error *error) {
+    Dl_info library;
+    char pattern[DEA_COMMAND_MAX], command[DEA_COMMAND_MAX];
+    const char *slash = dladdr(function, &library) != 0 ? strrchr(library.dli_fname, '/') : NULL;
+    int folder = slash != NULL ? (int)(slash - library.dli_fname) : 0;
+    if (folder > DEA_COMMAND_MAX / 2)
+        return dea_fail(error, DEA_ERR_SOLVER, "the path of libngspice is too long");
+    snprintf(pattern, sizeof pattern, "%.*s/ngspice/*.cm", folder, folder > 0 ? library.dli_fname : "");
+    glob_t found;
+    if (glob(pattern, 0, NULL, &found) != 0)
+        return dea_fail(error, DEA_ERR_SOLVER, "there are no code models %s", pattern);
+    for (size_t i = 0; i < found.gl_pathc; i++)
+        if ((size_t)snprintf(command, sizeof command, "codemodel %s", found.gl_pathv[i]) < sizeof command)
+            dea_engine_command(command);
+    globfree(&found);
+    return DEA_OK;
 }

@@ -497,6 +497,25 @@ static void test_crawling_run_is_ended(void **state) {
     free(samples);
 }
 
+/* Code models come with the first netlist that asks for one; ngspice makes a POLY one of them. */
+static void test_poly_works(void **state) {
+    (void)state;
+    struct samples *samples = new_samples();
+    struct dea_error error;
+    struct dea_engine_measure measure = {.failed = true};
+    struct scene scene = {"t\nV1 p 0 PWL(0 0 1m 500)\nE1 b 0 POLY(1) p 0 1 0 4u\nR2 b 0 1k\nXdea p 0 pos DEA\n"
+                          ".measure tran top max v(b)\n",
+                          plain_port,
+                          {.stop = 2e-3, .max_step = 1e-5},
+                          0.0};
+    enum dea_status status = run(&scene, samples, &measure, NULL, &error);
+    if (status != DEA_OK)
+        fail_msg("%s\n%s", error.text, samples->messages);
+    assert_false(measure.failed);
+    assert_true(fabs(measure.value - 2.0) < 1e-3);
+    free(samples);
+}
+
 /* The system's code models are there, and find files beside the netlist. */
 static void test_code_models_work(void **state) {
     (void)state;
@@ -596,6 +615,7 @@ int main(void) {
         cmocka_unit_test(test_uic_starts_from_the_given_charge),
         cmocka_unit_test(test_collapse_is_diagnosed),
         cmocka_unit_test(test_crawling_run_is_ended),
+        cmocka_unit_test(test_poly_works),
         cmocka_unit_test(test_code_models_work),
         cmocka_unit_test(test_repeated_runs),
         cmocka_unit_test(test_failures_are_explained),
