@@ -3,8 +3,9 @@
 
 #include <math.h>
 
-/* The part of a capacitance that its own voltage may explain within one step. */
-#define MAX_SOFT_PART 0.5
+/* As many times itself a capacitance may grow with its own voltage within a step: a slack film near pull-in yields at an
+ * almost constant voltage. */
+#define MAX_SOFT_PART 5.0
 
 struct window_point *coupled_last_point(const struct coupled *coupled, int port) {
     return &coupled->windows[port].points[coupled->windows[port].count - 1];
@@ -92,7 +93,8 @@ double coupled_tell(struct coupled *coupled, int port, enum dea_external which, 
 double coupled_quotient(const struct told_film *film, double v) {
     if (film->q0 == 0.0)
         return film->c;
-    return fabs(film->q0) < 2.0 / 3.0 * film->c * fabs(v) ? film->c + film->q0 / v : film->c / 3.0;
+    double least = 1.0 / (1.0 + 2.0 * MAX_SOFT_PART);
+    return fabs(film->q0) < (1.0 - least) * film->c * fabs(v) ? film->c + film->q0 / v : least * film->c;
 }
 
 double coupled_film_voltage(const struct coupled *coupled, int port, double t, double q, double *capacitance) {
