@@ -6,7 +6,7 @@
 
 enum dea_status dea_library_load(const char *file, const char *package, const struct dea_library_function *functions,
                                  size_t count, struct dea_error *error) {
-    void *library = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    void *library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
     for (size_t i = 0; library != NULL && i < count; i++) {
         void *address = dlsym(library, functions[i].name);
         if (address == NULL)
