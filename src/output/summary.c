@@ -13,11 +13,14 @@
 static bool add_number(cJSON *object, const char *key, double value) {
     if (!isfinite(value))
         return cJSON_AddNullToObject(object, key) != NULL;
-    char text[32];
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, value);
-        if (strtod(text, NULL) == value)
-            break;
+    char text[32], shorter[32];
+    snprintf(text, sizeof text, "%.16g", value);
+    if (strtod(text, NULL) != value) {
+        snprintf(text, sizeof text, "%.17g", value); /* always enough */
+    } else {
+        snprintf(shorter, sizeof shorter, "%.15g", value);
+        if (strtod(shorter, NULL) == value)
+            memcpy(text, shorter, sizeof text);
     }
     return cJSON_AddRawToObject(object, key, text) != NULL;
 }
