@@ -22,10 +22,8 @@ static double breakdown_reserve(const struct dea_plant *plant, int k) {
 
 static double stress2_reserve(const struct dea_plant *plant, int k) {
     const struct zone_point *point = &plant->points[k];
-    double stress2;
-    if (dea_film_stress2(plant->device, k, point->film.lam, point->film.voltage, point->branches, &stress2) != DEA_OK)
-        return -1.0;
-    return stress2 / dea_law_modulus(&plant->device->material.elastic);
+    return dea_film_stress2(plant->device, k, &point->film, point->branches) /
+           dea_law_modulus(&plant->device->material.elastic);
 }
 
 static double stability_reserve(const struct dea_plant *plant) {
