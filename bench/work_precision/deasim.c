@@ -140,6 +140,8 @@ bool deasim_reference(struct bench *bench) {
 /* ---- curves ---- */
 
 #define COST_PER_DECADE 3.2 /* a second-order circuit's steps per decade of accuracy */
+#define LOOSEST 1.0         /* decades: the loosest accuracy a scene may ask for is 0.1 */
+#define HALVES_END 3.99     /* points every half decade up to here */
 #define START_STOP 1e-7     /* span of a run that is nothing but its start, in spans of the scene ... */
 #define LEAST_STOP 1e-9     /* ... and in s: the shortest that deasim takes */
 
@@ -178,7 +180,8 @@ void deasim_curve(struct bench *bench, const char *scene, const char *curve, con
     double last = bench->entry->tightest, cpu = 0.0;
     if (bench->quick && last > bench->entry->loosest + 1.0)
         last -= 1.0;
-    for (double exponent = bench->entry->loosest; exponent <= last + 0.01; exponent += 1.0)
+    /* half decades where the errors are that the tables look up, from the loosest accuracy a scene may ask for */
+    for (double exponent = LOOSEST; exponent <= last + 0.01; exponent += exponent < HALVES_END ? 0.5 : 1.0)
         if (!add_curve_point(bench, scene, curve, engine, pow(10.0, -exponent), &cpu))
             return;
 }

@@ -118,8 +118,10 @@ static enum dea_status find_rest(struct cosim *run, bool *found, struct dea_erro
  * iterated until they agree; the round that agrees runs on. */
 enum dea_status cosim_run_from_rest(struct cosim *run, struct dea_error *error) {
     bool closer = run->deck_options.reltol > LEAST_RELTOL;
-    for (int i = 0; i < run->count; i++) /* without inertia the platform follows the run's own voltages at once */
-        closer = closer && run->devices[i].device->effective_mass > 0.0;
+    for (int i = 0; i < run->count; i++) { /* free of both, the platform follows the run's own voltages at once */
+        const struct dea_device *device = run->devices[i].device;
+        closer = closer && (device->effective_mass > 0.0 || device->damping > 0.0);
+    }
     double agreed = SAME_REST;
     for (int round = 0; round < MAX_REST_ROUNDS; round++) {
         enum dea_status status = run_round(run, &run->deck, &run->deck_options, agreed, error);
