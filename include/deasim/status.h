@@ -9,7 +9,7 @@ enum dea_status {
     DEA_STOPPED = 2,          /* an event asked the run to end; everything up to there is valid */
     DEA_ERR_INPUT = -1,       /* bad input: file, key, value, command line */
     DEA_ERR_SOLVER = -2,      /* a solver gave up; what was computed is kept */
-    DEA_ERR_INTERRUPTED = -3, /* SIGINT or SIGTERM ended the run; what was computed is kept */
+    DEA_ERR_INTERRUPTED = -3, /* SIGINT, SIGTERM or SIGHUP ended the run; what was computed is kept */
     DEA_ERR_OUTPUT = -4,      /* a result could not be written */
     DEA_ERR_MEMORY = -5,      /* out of memory */
     DEA_ERR_INTERNAL = -6,    /* a defect of deasim itself */

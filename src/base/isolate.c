@@ -56,6 +56,7 @@ static void run_child(dea_isolated function, void *context, const struct dea_iso
         _exit(1);
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_IGN);
+    signal(SIGHUP, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
     redirect_output(limits->log_path);
     if (limits->memory_bytes > 0) {
@@ -79,6 +80,13 @@ static void run_child(dea_isolated function, void *context, const struct dea_iso
 }
 
 /* ---- the parent ---- */
+
+static void ask_to_end(struct watch *watch) {
+    if (watch->asked >= 0.0)
+        return;
+    watch->asked = dea_clock();
+    atomic_store_explicit(&watch->shared->stop, 1, memory_order_relaxed);
+}
 
 /* Hands complete frames of the buffer to the handler; returns the bytes used. */
 static enum dea_status dispatch(struct watch *watch, const char *buffer, size_t filled, size_t *used,
@@ -105,7 +113,11 @@ static enum dea_status dispatch(struct watch *watch, const char *buffer, size_t 
             memcpy(watch->text, data + sizeof status, length);
             watch->text[length] = '\0';
         } else if (handler != NULL) {
-            DEA_TRY(handler(handler_context, frame.type, data, frame.size, error));
+            enum dea_status handled = handler(handler_context, frame.type, data, frame.size, error);
+            if (handled != DEA_STOPPED)
+                DEA_TRY(handled);
+            else
+                ask_to_end(watch);
         }
     }
     return DEA_OK;
@@ -120,10 +132,8 @@ static void enforce_limits(struct watch *watch) {
         watch->last_beat = beat;
         watch->last_sign = now;
     }
-    if (watch->asked < 0.0 && limits->stop != NULL && *limits->stop != 0) {
-        watch->asked = now;
-        atomic_store_explicit(&watch->shared->stop, 1, memory_order_relaxed);
-    }
+    if (limits->stop != NULL && *limits->stop != 0)
+        ask_to_end(watch);
     const char *why = NULL;
     if (limits->wall_s > 0.0 && now - watch->started > limits->wall_s)
         why = "the wall time limit was reached";

@@ -23,8 +23,8 @@ struct dea_isolate_limits {
     double grace_s;                    /* time to end in order after being asked, s; 0: 10 s */
 };
 
-/* Receives messages in the order sent; `data` is aligned to 8 bytes. A status other than DEA_OK ends the child and is
- * returned. */
+/* Receives messages in the order sent; `data` is aligned to 8 bytes. DEA_STOPPED asks the child to end, as `stop` does;
+ * what it still sends is received. Any other status than DEA_OK ends the child at once and is returned. */
 typedef enum dea_status (*dea_message_handler)(void *context, uint32_t type, const void *data, size_t size,
                                                struct dea_error *error);
 

@@ -89,6 +89,9 @@ enum dea_status dea_engine_add_breakpoint(struct dea_engine *engine, double t, s
  */
 void dea_engine_start_charge(struct dea_engine *engine, int instance, int port, double charge);
 
+/* Where a failure's message begins to list steps. */
+#define DEA_LAST_STEPS "last steps (t, dt):"
+
 /* Runs to the end. DEA_OK at the end, DEA_STOPPED when a callback stopped it, DEA_ERR_INPUT when ngspice refuses the
  * circuit, DEA_ERR_SOLVER when it gives up (message: why, where, worst node, last steps). */
 enum dea_status dea_engine_run(struct dea_engine *engine, struct dea_error *error);

@@ -337,7 +337,7 @@ enum dea_status dea_engine_complain(const struct dea_engine *engine, enum dea_st
 void dea_engine_describe_steps(const struct dea_engine *engine, char *text, size_t size) {
     static const char *const verdicts[] = {"accepted", "rejected by ngspice"};
     long first = engine->step_count > DEA_STEPS_KEPT ? engine->step_count - DEA_STEPS_KEPT : 0;
-    size_t used = (size_t)snprintf(text, size, "last steps (t, dt):");
+    size_t used = (size_t)snprintf(text, size, "%s", DEA_LAST_STEPS);
     for (long i = first; i < engine->step_count && used < size; i++) {
         const struct dea_step_record *step = &engine->steps[i % DEA_STEPS_KEPT];
         used += (size_t)snprintf(text + used, size - used, "%s %.9g %.3g %s", i > first ? ";" : "", step->time,

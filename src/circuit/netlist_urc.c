@@ -4,8 +4,10 @@
 
 #include <string.h>
 
-#define MOST_LUMPS 200     /* of a line; ngspice takes 1 ms for so many, 38 s for 10000 */
-#define LEAST_GROWTH 1.2   /* of the chain's elements from one to the next: their number is a logarithm over that of k */
+#define MOST_LUMPS 200 /* of a line; ngspice takes 1 ms for so many, 38 s for 10000 */
+#define LEAST_GROWTH                                                                                                   \
+    1.2                    /* of the chain's elements from one to the next: their number is a logarithm over that of k \
+                            */
 #define MOST_GROWTH 1000.0 /* a power of it overflows */
 
 /* The plain number given as `name = value` or `name value` in what follows; whatever else is refused. */

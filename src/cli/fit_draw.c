@@ -46,7 +46,9 @@ static void write_script(const struct fit_answer *answer, FILE *file) {
         last = fmax(last, answer->data.values[0][i]);
     }
     fprintf(file,
-            "set terminal pngcairo size 900,640 font 'sans,12'\nset termoption noenhanced\nset grid\nset key %s\n"
+            "set terminal pngcairo size 900,640 font 'sans,12'\nset termoption noenhanced\nset grid\nset autoscale "
+            "noextend\n"
+            "set offsets 0, 0, graph 0.04, graph 0.04\nset key %s\n"
             "set xlabel '%s'\nset ylabel '%s'\n%s$data << EOD\n",
             answer->branches && !is_creep(answer) ? "top right" : "top left",
             answer->branches ? "time after the step [s]" : "stretch", is_creep(answer) ? "strain" : "stress [MPa]",

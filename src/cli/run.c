@@ -26,6 +26,7 @@ static const char usage[] =
     "  --json             print the summary as one JSON object\n"
     "  -q, --quiet        no progress bar, no warnings, no summary\n"
     "  -v, --verbose      also say which states the run has and other details\n"
+    "  -h, --help         this text\n"
     "Interrupting (Ctrl-C) keeps what was computed and exits with 3.\n";
 
 static volatile sig_atomic_t interrupted;
@@ -35,9 +36,12 @@ static void interrupt(int signal_number) {
 }
 
 static void catch_signals(void) {
-    struct sigaction action = {.sa_handler = interrupt};
+    const struct sigaction action = {.sa_handler = interrupt};
+    struct sigaction before;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) /* as it is under nohup */
+        sigaction(SIGHUP, &action, NULL);
 }
 
 /* The log lives beside the results; opening it also finds out whether DIR can be written. */

@@ -14,6 +14,10 @@
 
 #define BEYOND 1e-12 /* relative: a point asked for exactly at the limit is not beyond it */
 
+/* What is asked for beyond is a missing unit; scenes have the same limit of voltage. */
+#define MOST_VOLTAGE 1e5 /* V */
+#define MOST_FIELD 1e10  /* V/m */
+
 enum { OPTION_SET = 256, OPTION_CSV, OPTION_JSON };
 
 struct options {
@@ -41,11 +45,20 @@ static const char usage[] =
     "\n"
     "example: deasim static models/planar_c_s5.yaml --voltage 0:4kV:9\n";
 
+static enum dea_status check_range(const char *option, const struct dea_range *range, double most, const char *unit,
+                                   struct dea_error *error) {
+    if (fabs(range->first) <= most && fabs(range->last) <= most)
+        return DEA_OK;
+    return dea_fail(error, DEA_ERR_INPUT, "%s: up to %g %s either way is allowed; is the unit right?", option, most,
+                    unit);
+}
+
 static enum dea_status parse_right_voltage(const char *text, double *voltage, struct dea_error *error) {
     struct dea_error inner;
     if (dea_quantity_parse(text, "V", voltage, &inner) != DEA_OK)
         return dea_fail(error, DEA_ERR_INPUT, "--right-voltage: %s", inner.text);
-    return DEA_OK;
+    const struct dea_range only = {*voltage, *voltage, 1};
+    return check_range("--right-voltage", &only, MOST_VOLTAGE, "V", error);
 }
 
 static enum dea_status take_option(int letter, void *context, struct dea_error *error) {
@@ -53,10 +66,12 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
     switch (letter) {
     case 'V':
         options->by_voltage = true;
-        return dea_range_parse("--voltage", optarg, "V", &options->range, error);
+        DEA_TRY(dea_range_parse("--voltage", optarg, "V", &options->range, error));
+        return check_range("--voltage", &options->range, MOST_VOLTAGE, "V", error);
     case 'E':
         options->by_field = true;
-        return dea_range_parse("--field", optarg, "V/m", &options->range, error);
+        DEA_TRY(dea_range_parse("--field", optarg, "V/m", &options->range, error));
+        return check_range("--field", &options->range, MOST_FIELD, "V/m", error);
     case 'r':
         return parse_right_voltage(optarg, &options->right_voltage, error);
     case OPTION_SET:

@@ -221,8 +221,7 @@ enum dea_status observer_check_interrupt(const struct observer *o, double t, str
     const volatile sig_atomic_t *interrupt = o->options->interrupt;
     if (interrupt == NULL || *interrupt == 0)
         return DEA_OK;
-    return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted by %s", t,
-                    *interrupt == SIGTERM ? "SIGTERM" : "SIGINT");
+    return dea_fail(error, DEA_ERR_INTERRUPTED, "t = %.9g s: interrupted by SIG%s", t, sigabbrev_np(*interrupt));
 }
 
 /* ---- closing ---- */

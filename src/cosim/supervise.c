@@ -108,6 +108,7 @@ static enum dea_status run_child(struct dea_channel *channel, void *context, str
 struct parent {
     const struct row_sink *sink;
     struct dea_result *result;
+    struct dea_error refusal; /* of a row, by the sink: there are no more rows, but the result is wanted */
 };
 
 /* Next array of a message; NULL when it is empty or memory is short. */
@@ -142,11 +143,15 @@ static enum dea_status receive_result(struct dea_result *result, const char *dat
 static enum dea_status receive(void *context, uint32_t type, const void *data, size_t size, struct dea_error *error) {
     struct parent *parent = context;
     const double *row = data;
+    struct dea_error *refusal = &parent->refusal;
     switch ((enum message)type) {
     case MESSAGE_OPEN:
         return parent->sink->open(parent->sink->context, data, size / sizeof(struct dea_signal), error);
     case MESSAGE_ROW:
-        return parent->sink->row(parent->sink->context, row[0], row + 1, size / sizeof *row - 1, error);
+        if (refusal->status == DEA_OK)
+            refusal->status =
+                parent->sink->row(parent->sink->context, row[0], row + 1, size / sizeof *row - 1, refusal);
+        return refusal->status == DEA_OK ? DEA_OK : DEA_STOPPED;
     case MESSAGE_RESULT:
         return receive_result(parent->result, data, size, error);
     }
@@ -186,9 +191,13 @@ static enum dea_status run_in_child(const struct dea_scene *scene, const struct 
     for (;; child.control.relaxed++) {
         fflush(NULL); /* the child must not write buffers twice */
         status = dea_isolate_run(run_child, &child, &limits, receive, &parent, error);
+        if (parent.refusal.status != DEA_OK)
+            status = dea_fail(error, parent.refusal.status, "%s", parent.refusal.text);
         if (status != DEA_ERR_SOLVER || !result->circuit_gave_up || child.control.relaxed == MAX_RELAXED)
             break;
-        dea_report_warn(options->report, "%s\nrepeating the run with looser tolerances in the circuit", error->text);
+        const char *steps = strstr(error->text, "; " DEA_LAST_STEPS); /* are told when it gives up for good */
+        dea_report_warn(options->report, "%.*s\nrepeating the run with looser tolerances in the circuit",
+                        steps != NULL ? (int)(steps - error->text) : -1, error->text);
         dea_result_clear(result);
     }
     if (child.control.relaxed > 0 && status >= 0)

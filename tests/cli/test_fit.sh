@@ -9,6 +9,7 @@ has out 'gent, 61 points'
 has out '  mu              364.3 kPa    95 % interval 363 kPa to 365.7 kPa'
 has out '  jm              16.561       95 % interval 16.485 to 16.637'
 head -c 4 pull/fit.png | tail -c 3 >magic
+grep -q '^set offsets 0, 0, graph 0.04, graph 0.04$' pull/fit.gnuplot # the curve fills its frame
 has magic PNG
 has pull/fit.csv 'stretch [1],stress [Pa],fit [Pa]'
 (($(wc -l <pull/fit.csv) == 62)) || exit 1

@@ -3,6 +3,12 @@
 # shellcheck source=tests/cli/expect.sh
 source "$ROOT/tests/cli/expect.sh"
 
+# without DEASIM it is the one that is installed
+mkdir bin
+ln -s "$DEASIM" bin/deasim
+expect 0 env -u DEASIM PATH="$PWD/bin:$PATH" "$ROOT/examples/design/figure-5a.sh" -n 5 --no-picture
+rm -r bin figure-5a
+
 for figure in 5a 5b 6; do
     expect 0 "$ROOT/examples/design/figure-$figure.sh"
     mv out summary-$figure

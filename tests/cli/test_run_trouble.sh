@@ -30,7 +30,7 @@ raw_points() {
 }
 
 # ---- interrupts ----
-for signal in INT TERM; do
+for signal in INT TERM HUP; do
     "$DEASIM" run long.yaml -o "stopped-$signal" --json >out 2>err &
     pid=$!
     for ((i = 0; i < 200; i++)); do # until rows are on the disk
@@ -99,6 +99,12 @@ disk_full() { # FOLDER WORDS: the run has failed with 3, names the files and the
 }
 sed 's/stop: 1000 s/stop: 2 s/; s/, raw, hdf5//' long.yaml >csv.yaml
 expect 3 bash -c "ulimit -f 100; '$DEASIM' run csv.yaml -o limited --json"
+disk_full limited "File too large"
+# the same with a netlist, whose rows come from a process of their own
+printf 't\nVs s 0 SIN(0 1000 10)\nRs s a 1Meg\nDx a left d\n.model d D\nRl left 0 100Meg\nXdea left 0 right 0 pos DEA\nRr right 0 1k\n' >many.cir
+printf 'device: %s\ndrive: {netlist: many.cir}\ntransient: {stop: 0.5 s}\noutput: {sample: 0.1 ms, formats: [csv]}\n' \
+    "$ROOT/models/planar_c_s5.yaml" >many.yaml
+expect 3 bash -c "ulimit -f 100; '$DEASIM' run many.yaml -o limited --json"
 disk_full limited "File too large"
 jq -e '.status == "failed"' limited/summary.json >tested
 mkdir small

@@ -95,6 +95,19 @@ has out '  -2.0000'
 expect 0 "$DEASIM" static --help
 has out 'usage: deasim static DEVICE'
 
+# what nobody means
+refuse() { # MESSAGE ARGUMENT...
+    local message=$1
+    shift
+    expect 2 "$DEASIM" static device.yaml "$@"
+    has err "deasim static: $message"
+    [[ ! -s out ]]
+}
+refuse "--voltage: up to 100000 V either way is allowed; is the unit right?" --voltage 1e300
+refuse "--voltage: up to 100000 V either way" --voltage "0:4 MV:3"
+refuse "--field: up to 1e+10 V/m either way is allowed" --field "1e5 V/um"
+refuse "--right-voltage: up to 100000 V either way" --voltage 0 --right-voltage=-1e6
+
 # a right zone under voltage, and one that cannot be
 expect 2 "$DEASIM" static device.yaml --voltage 1000 --right-voltage 500
 has err 'deasim static: zones.right carries no electrode, it cannot be at 500 V'

@@ -142,6 +142,26 @@ static enum dea_status refuse_second(void *context, uint32_t type, const void *d
     return ++*(int *)context == 2 ? dea_fail(error, DEA_ERR_OUTPUT, "disk full") : DEA_OK;
 }
 
+/* Rows until it is asked to end, then one of another type. */
+static enum dea_status send_until_asked(struct dea_channel *channel, void *context, struct dea_error *error) {
+    (void)context;
+    double row = 0.0;
+    while (!dea_channel_stop_requested(channel))
+        if (dea_channel_send(channel, 1, &row, sizeof row) != DEA_OK || dea_channel_flush(channel) != DEA_OK)
+            return dea_fail(error, DEA_ERR_INTERNAL, "the rows are not received");
+    DEA_TRY(dea_channel_send(channel, 2, &row, sizeof row));
+    return dea_fail(error, DEA_ERR_INTERRUPTED, "asked to end");
+}
+
+/* Stops at the third row, and again at every further one. */
+static enum dea_status stop_third(void *context, uint32_t type, const void *data, size_t size,
+                                  struct dea_error *error) {
+    (void)data, (void)size, (void)error;
+    int *seen = context;
+    seen[type - 1]++;
+    return type == 1 && seen[0] >= 3 ? DEA_STOPPED : DEA_OK;
+}
+
 /* ---- tests ---- */
 
 static void test_rows_arrive_in_order_and_fast(void **state) {
@@ -242,6 +262,16 @@ static void test_handler_failure_ends_the_child(void **state) {
     assert_int_equal(seen, 2);
 }
 
+static void test_handler_can_ask_for_the_end(void **state) {
+    (void)state;
+    struct dea_error error;
+    int seen[2] = {0, 0};
+    assert_int_equal(dea_isolate_run(send_until_asked, NULL, NULL, stop_third, seen, &error), DEA_ERR_INTERRUPTED);
+    assert_string_equal(error.text, "asked to end");
+    assert_true(seen[0] >= 3);
+    assert_int_equal(seen[1], 1); /* what came last was received too */
+}
+
 static void test_memory_limit(void **state) {
     (void)state;
 #ifdef __SANITIZE_ADDRESS__
@@ -294,6 +324,7 @@ int main(void) {
         cmocka_unit_test(test_progress_keeps_a_quiet_child_alive),
         cmocka_unit_test(test_stop_flag_ends_in_order),
         cmocka_unit_test(test_handler_failure_ends_the_child),
+        cmocka_unit_test(test_handler_can_ask_for_the_end),
         cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_thousand_runs_leave_nothing),
     };
