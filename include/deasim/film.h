@@ -15,7 +15,6 @@ struct dea_film {
     bool slack;           /* the film is buckled: zero pull, lam > geometric stretch */
     double margin;        /* net nominal stress at the geometric stretch, Pa; < 0 exactly when slack */
     double p1;            /* nominal stress of spring and branches, Pa */
-    double w2;            /* nominal stress of the spring in direction 2, Pa */
     double capacitance;   /* F, 0 when passive */
     double voltage;       /* V */
     double charge;        /* C */
@@ -43,13 +42,8 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
 enum dea_status dea_film_energy(const struct dea_device *device, int zone, double lam, double charge,
                                 const double *states, double *energy);
 
-/* True stress in direction 2 (Pa): lam2 dW/dlam2 + branches - eps E^2, physics.md section 7; the responses are those of
- * the film. */
-double dea_film_stress2(const struct dea_device *device, int zone, const struct dea_film *film,
-                        const struct dea_branch_response *branches);
-
-/* The same of a film without branches at a stretch. DEA_RECOVERABLE outside the elastic law. */
-enum dea_status dea_zone_stress2(const struct dea_device *device, int zone, double lam, double voltage,
-                                 double *stress2);
+/* True stress in direction 2 (Pa): lam2 dW/dlam2 + branches - eps E^2, physics.md section 7. */
+enum dea_status dea_film_stress2(const struct dea_device *device, int zone, double lam, double voltage,
+                                 const struct dea_branch_response *branches, double *stress2);
 
 #endif

@@ -184,6 +184,10 @@ enum dea_status dea_plant_energy(struct dea_plant *plant, struct dea_energy *ene
 /* Integrator statistics so far, restarts included. */
 void dea_plant_stats(const struct dea_plant *plant, struct dea_run_stats *stats);
 
+/* How many times the motion since the start has multiplied small errors, beyond what the platform would at its
+ * stiffness of rest. */
+double dea_plant_sensitivity(const struct dea_plant *plant);
+
 double dea_plant_time(const struct dea_plant *plant);
 
 /* Free oscillations over which an error is carried on: those of the run, or those before damping has wiped it out. */

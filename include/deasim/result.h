@@ -43,6 +43,9 @@ struct dea_run_stats {
     char mode[16]; /* static, native, linear, cosim */
 };
 
+/* From this sensitivity on a run says that its accuracy may not be as asked: see docs/accuracy.md. */
+#define DEA_SENSITIVE 5.0
+
 struct dea_netlist_measure {
     char name[96];
     double value;
@@ -60,7 +63,8 @@ struct dea_result {
     struct dea_event *events;          /* owned, in time order */
     size_t event_count, event_dropped; /* dropped: beyond the list's limit, only counted */
     struct dea_energy energy;
-    double coupling_error;                /* relative difference of port work on both sides; 0 without a circuit */
+    double coupling_error; /* relative difference of port work on both sides; 0 without a circuit */
+    double sensitivity;    /* how many times the motion multiplied small errors, of the worst device; a mere swing: 1 */
     struct dea_netlist_measure *measures; /* owned */
     size_t measure_count;
     int relaxed;          /* how often the circuit's tolerances had to be loosened to get through; 0: never */

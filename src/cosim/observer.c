@@ -262,6 +262,7 @@ enum dea_status observer_close(struct observer *o, double t, bool failed, struct
     for (int d = 0; d < o->plant_count; d++) {
         struct dea_run_stats one, *all = &o->result->stats_run;
         dea_plant_stats(o->observed[d].plant, &one);
+        o->result->sensitivity = fmax(o->result->sensitivity, dea_plant_sensitivity(o->observed[d].plant));
         all->plant_steps += one.plant_steps;
         all->plant_rejected += one.plant_rejected;
         all->residuals += one.residuals;

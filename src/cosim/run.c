@@ -82,6 +82,11 @@ enum dea_status dea_run_scene(const struct dea_scene *scene, const struct dea_ru
     if (closed != DEA_OK && status >= 0)
         status = closed;
     result->status = status;
+    if (status >= 0 && result->sensitivity >= DEA_SENSITIVE)
+        dea_report_warn(options->report,
+                        "the motion multiplies small errors %.3g times (films that go slack, end stops, lost "
+                        "stiffness): the result may miss the accuracy asked for; compare with a run at --accuracy %.1g",
+                        result->sensitivity, 0.1 * scene->accuracy);
     if (status < 0)
         snprintf(result->reason, sizeof result->reason, "%s", error->text);
     result->stats_run.wall_s = dea_clock() - started;

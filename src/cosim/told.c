@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* As many times itself a capacitance may grow with its own voltage within a step: a slack film near pull-in yields at an
- * almost constant voltage. */
+/* As many times itself a capacitance may grow with its own voltage within a step: a slack film near pull-in yields at
+ * an almost constant voltage. */
 #define MAX_SOFT_PART 5.0
 
 struct window_point *coupled_last_point(const struct coupled *coupled, int port) {

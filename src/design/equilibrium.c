@@ -151,7 +151,7 @@ static enum dea_status describe(const struct dea_device *device, const double vo
         zone->stretch = film.lam;
         zone->true_field = device->zones[k].electroded ? dea_zone_field(device, voltages[k], film.lam) : 0.0;
         zone->stress1 = film.slack ? 0.0 : film.lam * film.margin;
-        DEA_TRY(dea_zone_stress2(device, k, film.lam, voltages[k], &zone->stress2));
+        DEA_TRY(dea_film_stress2(device, k, film.lam, voltages[k], NULL, &zone->stress2));
         zone->tension = film.pull;
         zone->capacitance = film.capacitance;
         zone->slack = film.slack;

@@ -65,7 +65,7 @@ enum dea_status dea_path_evaluate(const struct dea_device *device, double right_
             continue;
         double voltage = sqrt(fmax(voltages_squared[k], 0.0));
         point->field[k] = device->zones[k].electroded ? dea_zone_field(device, voltage, point->lam[k]) : 0.0;
-        DEA_TRY(dea_zone_stress2(device, k, point->lam[k], voltage, &point->stress2[k]));
+        DEA_TRY(dea_film_stress2(device, k, point->lam[k], voltage, NULL, &point->stress2[k]));
     }
     return DEA_OK;
 }

@@ -15,7 +15,6 @@ struct slope_of_energy {
     double g_lam; /* d2U/dlam2 at fixed e, J */
     double g_e;   /* d2U/(dlam de), J/C or J/V */
     double p1;    /* Pa */
-    double w2;    /* of the spring, across, Pa */
     double c, c1; /* F */
 };
 
@@ -45,7 +44,6 @@ static enum dea_status slope_energy(const struct film_task *task, double lam, st
         p11 += task->branches[b].dp1_dlam1;
     }
     out->p1 = p1;
-    out->w2 = stress.w2;
     out->g = volume * p1;
     out->g_lam = volume * p11;
     out->g_e = 0.0;
@@ -154,7 +152,6 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
         DEA_TRY(find_natural_stretch(&task, pushed, &pushed_slope, &film->lam, &s));
     }
     film->p1 = s.p1;
-    film->w2 = s.w2;
     film->pull = film->slack ? 0.0 : s.g * per_length;
     film->stiffness = 0.0;
     if (!film->slack) { /* at given voltage: charge control is stiffer by (dQ/dx)^2 / C */
@@ -197,30 +194,18 @@ enum dea_status dea_film_energy(const struct dea_device *device, int zone, doubl
     return DEA_OK;
 }
 
-/* Of spring and field. */
-static double stress_across(const struct dea_device *device, int zone, double lam, double voltage, double w2) {
-    double stress2 = device->prestretch[1] * w2;
-    if (device->zones[zone].electroded) {
-        const struct dea_dielectric *dielectric = &device->material.dielectric;
-        double field = dea_zone_field(device, voltage, lam);
-        stress2 -=
-            DEA_VACUUM_PERMITTIVITY * (dielectric->permittivity + dielectric->permittivity_slope * lam) * field * field;
-    }
-    return stress2;
-}
-
-enum dea_status dea_zone_stress2(const struct dea_device *device, int zone, double lam, double voltage,
-                                 double *stress2) {
+enum dea_status dea_film_stress2(const struct dea_device *device, int zone, double lam, double voltage,
+                                 const struct dea_branch_response *branches, double *stress2) {
+    const struct dea_material *material = &device->material;
     struct dea_stress stress;
-    DEA_TRY(dea_law_stress(&device->material.elastic, lam, device->prestretch[1], &stress));
-    *stress2 = stress_across(device, zone, lam, voltage, stress.w2);
+    DEA_TRY(dea_law_stress(&material->elastic, lam, device->prestretch[1], &stress));
+    *stress2 = device->prestretch[1] * stress.w2;
+    for (int b = 0; b < material->branch_count; b++)
+        *stress2 += branches[b].s2;
+    if (device->zones[zone].electroded) {
+        double field = dea_zone_field(device, voltage, lam);
+        double permittivity = material->dielectric.permittivity + material->dielectric.permittivity_slope * lam;
+        *stress2 -= DEA_VACUUM_PERMITTIVITY * permittivity * field * field;
+    }
     return DEA_OK;
-}
-
-double dea_film_stress2(const struct dea_device *device, int zone, const struct dea_film *film,
-                        const struct dea_branch_response *branches) {
-    double stress2 = stress_across(device, zone, film->lam, film->voltage, film->w2);
-    for (int b = 0; b < device->material.branch_count; b++)
-        stress2 += branches[b].s2;
-    return stress2;
 }

@@ -9,9 +9,6 @@ struct foo_spring {
     double e1, e2;   /* elastic stretches squared */
     double e3;       /* (xi1 xi2 / lam1 lam2)^2 */
     double softness; /* 1 - (I1e - 3)/J_b, > 0 inside the domain */
-    double shear;    /* mu over the softness, Pa */
-    double shear_by; /* its logarithmic derivative by q1 (below) over e1 - e3, by q2 over e2 - e3 */
-    double per_lam1; /* 1/lam1 */
 };
 
 static enum dea_status stretch_foo_spring(const struct dea_branch *branch, const double prestretch[2], double lam1,
@@ -20,20 +17,10 @@ static enum dea_status stretch_foo_spring(const struct dea_branch *branch, const
     if (!(lam1 > 0.0 && xi1 > 0.0 && grown2 > 0.0))
         return DEA_RECOVERABLE;
     double r1 = lam1 / xi1, r2 = 1.0 / grown2; /* lam2 = lp2 is clamped */
-    spring->per_lam1 = 1.0 / lam1;
-    double r3 = xi1 * grown2 * spring->per_lam1;
     spring->e1 = r1 * r1;
     spring->e2 = r2 * r2;
-    spring->e3 = r3 * r3;
-    if (isinf(branch->jm)) { /* neo-Hookean */
-        spring->softness = 1.0;
-        spring->shear = branch->mu;
-        spring->shear_by = 0.0;
-        return spring->e1 + spring->e2 + spring->e3 < INFINITY ? DEA_OK : DEA_RECOVERABLE;
-    }
+    spring->e3 = 1.0 / (spring->e1 * spring->e2);
     spring->softness = 1.0 - (spring->e1 + spring->e2 + spring->e3 - 3.0) / branch->jm;
-    spring->shear = branch->mu / spring->softness;
-    spring->shear_by = 2.0 / (branch->jm * spring->softness);
     return spring->softness > 0.0 ? DEA_OK : DEA_RECOVERABLE;
 }
 
@@ -41,31 +28,31 @@ static enum dea_status respond_foo(const struct dea_branch *branch, const double
                                    const double z[2], bool with_derivatives, struct dea_branch_response *out) {
     struct foo_spring s;
     DEA_TRY(stretch_foo_spring(branch, prestretch, lam1, z, &s));
-    double g = s.shear, per_eta3 = 1.0 / (3.0 * branch->mu * branch->tau);
+    double g = branch->mu / s.softness, eta3 = 3.0 * branch->mu * branch->tau;
     double s1 = g * (s.e1 - s.e3), s2 = g * (s.e2 - s.e3);
-    double flow1 = (s1 - 0.5 * s2) * per_eta3, flow2 = (s2 - 0.5 * s1) * per_eta3;
-    out->p1 = s1 * s.per_lam1;
+    double flow1 = (s1 - 0.5 * s2) / eta3, flow2 = (s2 - 0.5 * s1) / eta3;
+    out->p1 = s1 / lam1;
     out->s2 = s2;
     out->rate[0] = (1.0 + z[0]) * flow1;
     out->rate[1] = (1.0 + z[1]) * flow2;
-    out->dissipation = (s1 * s1 - s1 * s2 + s2 * s2) * per_eta3;
+    out->dissipation = (s1 * s1 - s1 * s2 + s2 * s2) / eta3;
 
     /* logarithmic derivatives of the elastic stretches: q1 = ln(lam1/xi1), q2 = ln(lam2/xi2) */
-    double g_by_q1 = g * s.shear_by * (s.e1 - s.e3);
+    double g_by_q1 = g * 2.0 * (s.e1 - s.e3) / (branch->jm * s.softness);
     double s1_q1 = g * 2.0 * (s.e1 + s.e3) + g_by_q1 * (s.e1 - s.e3);
-    out->dp1_dlam1 = (s1_q1 - s1) * s.per_lam1 * s.per_lam1;
+    out->dp1_dlam1 = (s1_q1 - s1) / (lam1 * lam1);
     if (!with_derivatives)
         return DEA_OK;
-    double g_by_q2 = g * s.shear_by * (s.e2 - s.e3);
+    double g_by_q2 = g * 2.0 * (s.e2 - s.e3) / (branch->jm * s.softness);
     double s1_q2 = g * 2.0 * s.e3 + g_by_q2 * (s.e1 - s.e3);
     double s2_q1 = g * 2.0 * s.e3 + g_by_q1 * (s.e2 - s.e3);
     double s2_q2 = g * 2.0 * (s.e2 + s.e3) + g_by_q2 * (s.e2 - s.e3);
-    double q1_z0 = -1.0 / (1.0 + z[0]), q2_z1 = -1.0 / (1.0 + z[1]), q1_lam = s.per_lam1;
+    double q1_z0 = -1.0 / (1.0 + z[0]), q2_z1 = -1.0 / (1.0 + z[1]), q1_lam = 1.0 / lam1;
 
-    out->dp1_dz[0] = s1_q1 * q1_z0 * s.per_lam1;
-    out->dp1_dz[1] = s1_q2 * q2_z1 * s.per_lam1;
-    double flow1_q1 = (s1_q1 - 0.5 * s2_q1) * per_eta3, flow1_q2 = (s1_q2 - 0.5 * s2_q2) * per_eta3;
-    double flow2_q1 = (s2_q1 - 0.5 * s1_q1) * per_eta3, flow2_q2 = (s2_q2 - 0.5 * s1_q2) * per_eta3;
+    out->dp1_dz[0] = s1_q1 * q1_z0 / lam1;
+    out->dp1_dz[1] = s1_q2 * q2_z1 / lam1;
+    double flow1_q1 = (s1_q1 - 0.5 * s2_q1) / eta3, flow1_q2 = (s1_q2 - 0.5 * s2_q2) / eta3;
+    double flow2_q1 = (s2_q1 - 0.5 * s1_q1) / eta3, flow2_q2 = (s2_q2 - 0.5 * s1_q2) / eta3;
     out->drate_dlam1[0] = (1.0 + z[0]) * flow1_q1 * q1_lam;
     out->drate_dlam1[1] = (1.0 + z[1]) * flow2_q1 * q1_lam;
     out->drate_dz[0][0] = flow1 - flow1_q1;

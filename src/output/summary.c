@@ -158,7 +158,7 @@ char *dea_summary_json(const struct dea_scene *scene, const struct dea_result *r
         add_text(root, "status", dea_outcome_text(result->status)) && add_text(root, "reason", result->reason) &&
         add_number(root, "t_end", result->t_end) && add_signals(root, result) && add_measures(root, result) &&
         add_events(root, scene, result) && add_energy(root, &result->energy) && add_stats(root, result) &&
-        add_limits(root, scene))
+        add_number(root, "sensitivity", result->sensitivity) && add_limits(root, scene))
         text = cJSON_Print(root);
     cJSON_Delete(root);
     return text;

@@ -138,6 +138,9 @@ static void print_energy(const struct dea_energy *energy, FILE *file) {
 
 static void print_statistics(const struct dea_result *result, FILE *file) {
     const struct dea_run_stats *stats = &result->stats_run;
+    if (result->sensitivity >= DEA_SENSITIVE)
+        fprintf(file, "  errors    grow %.3g times with the motion (accuracy may not be as asked)\n",
+                result->sensitivity);
     if (stats->circuit_points > 0) {
         fprintf(file, "  coupling  error       %10.2g%s\n", result->coupling_error,
                 result->relaxed > 0 ? "  (circuit tolerances loosened: accuracy not as asked)" : "");

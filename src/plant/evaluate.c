@@ -106,6 +106,23 @@ void plant_forget(struct dea_plant *plant) {
     plant->known.valid = false;
 }
 
+/* Force of the stops with its derivatives. One held on pulls a little, too: until the moment is found at which it would
+ * begin to. */
+static double stop_force(struct dea_plant *plant, double x, double rate_x) {
+    const struct dea_device *device = plant->device;
+    if (plant->stops_held[0] == STOP_UNDECIDED)
+        return dea_stop_force(device, x, rate_x, &plant->force_x, &plant->force_v, NULL, &plant->stop_loss);
+    double force = 0.0;
+    plant->force_x = plant->force_v = plant->stop_loss = 0.0;
+    for (int side = 0; side < 2; side++) {
+        if (plant->stops_held[side] != STOP_ON)
+            continue;
+        force -= device->stop_stiffness * (x - device->stops[side]);
+        plant->force_x -= device->stop_stiffness;
+    }
+    return force;
+}
+
 enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *y, double rate_x,
                                bool with_derivatives) {
     const struct dea_device *device = plant->device;
@@ -120,7 +137,7 @@ enum dea_status plant_evaluate(struct dea_plant *plant, double t, const double *
         DEA_TRY(evaluate_zone(plant, k, t, y, x, with_derivatives));
         plant->force -= device->zones[k].side * plant->points[k].film.pull;
     }
-    plant->force += dea_stop_force(device, x, rate_x, &plant->force_x, &plant->force_v, NULL, &plant->stop_loss);
+    plant->force += stop_force(plant, x, rate_x);
     return DEA_OK;
 }
 

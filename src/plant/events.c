@@ -9,7 +9,7 @@
 
 #define LIMIT_MARGIN 1e-3   /* of the elastic law, D/Jm */
 #define HYSTERESIS 1e-9     /* a limit just crossed must be left by this much, so that rounding is no event */
-#define STOP_HYSTERESIS 0.1 /* of what a step may err: a platform leaving a stop must be off it for good */
+#define STOP_HYSTERESIS 1.0 /* of what a step may err: a platform leaving a stop must be off it for good */
 
 static double breakdown_reserve(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
@@ -22,8 +22,10 @@ static double breakdown_reserve(const struct dea_plant *plant, int k) {
 
 static double stress2_reserve(const struct dea_plant *plant, int k) {
     const struct zone_point *point = &plant->points[k];
-    return dea_film_stress2(plant->device, k, &point->film, point->branches) /
-           dea_law_modulus(&plant->device->material.elastic);
+    double stress2;
+    if (dea_film_stress2(plant->device, k, point->film.lam, point->film.voltage, point->branches, &stress2) != DEA_OK)
+        return -1.0;
+    return stress2 / dea_law_modulus(&plant->device->material.elastic);
 }
 
 static double stability_reserve(const struct dea_plant *plant) {
@@ -35,6 +37,58 @@ static double stability_reserve(const struct dea_plant *plant) {
             taut = taut || !plant->points[k].film.slack;
         }
     return taut ? stiffness / plant->device->stiffness : 1.0; /* all slack: reported as slack */
+}
+
+static double distance_to_stop(const struct dea_plant *plant, int sign, double x) {
+    const double *stops = plant->device->stops;
+    return (sign > 0 ? stops[1] - x : x - stops[0]) / plant->scale[plant->x];
+}
+
+/* Whether a massless platform is pushed onto a stop, as the distance (scaled) from the stop to about where it would
+ * come to rest without it: positive when pulled off. The forces it would feel at the stop depend on charges and
+ * branches alone, which are smooth. */
+static enum dea_status find_push(struct dea_plant *plant, double t, const double *u, int sign, double *distance) {
+    double *there = NV_DATA_S(plant->sample_y), scale = plant->scale[plant->x];
+    enum held_stop kept[2] = {plant->stops_held[0], plant->stops_held[1]};
+    memcpy(there, u, (size_t)plant->state_count * sizeof *there);
+    there[plant->x] = plant->device->stops[sign > 0] / scale;
+    plant->stops_held[0] = plant->stops_held[1] = STOP_OFF;
+    plant_forget(plant);
+    enum dea_status status = plant_evaluate(plant, t, there, 0.0, false);
+    memcpy(plant->stops_held, kept, sizeof kept);
+    *distance = -sign * plant->force / (plant->device->stiffness * scale);
+    return status;
+}
+
+/* A massless platform's distance to a stop. Its position has a bend where it comes to the stop or leaves it, and hardly
+ * changes while it rests there: where an interpolation finds it off the stop the forces may put it back, again and
+ * again. So a platform on the stop leaves it when the push changes sign, and one without damping comes to it then, too.
+ */
+static enum dea_status light_reserve(struct dea_plant *plant, double t, const double *u, int index, double *value) {
+    int sign = plant->roots[index].sign;
+    double push, gap = distance_to_stop(plant, sign, u[plant->x] * plant->scale[plant->x]);
+    DEA_TRY(find_push(plant, t, u, sign, &push));
+    if (plant->motion == MOTION_ALGEBRAIC)
+        *value = push;
+    else
+        *value = fmax(push, plant->violated[index] ? gap - fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : gap);
+    return DEA_OK;
+}
+
+void plant_release_stops(struct dea_plant *plant) {
+    plant->stops_held[0] = plant->stops_held[1] = STOP_UNDECIDED;
+    plant_forget(plant);
+}
+
+/* Without mass and damping the equations themselves have that bend, where Newton's iteration would go to and fro: a
+ * stop pushes or does not over whole steps. */
+void plant_hold_stops(struct dea_plant *plant) {
+    if (plant->motion != MOTION_ALGEBRAIC || plant->network != ABSENT || plant->device->stiffness <= 0.0)
+        return;
+    for (int i = 0; i < plant->event_count; i++)
+        if (plant->roots[i].kind == DEA_EVENT_STOP)
+            plant->stops_held[plant->roots[i].sign > 0] = plant->violated[i] ? STOP_ON : STOP_OFF;
+    plant_forget(plant);
 }
 
 /* Value of one root function at the evaluated state. */
@@ -54,7 +108,7 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
     case DEA_EVENT_STABILITY:
         return stability_reserve(plant);
     case DEA_EVENT_STOP:
-        return (plant->roots[index].sign > 0 ? device->stops[1] - x : x - device->stops[0]) / plant->scale[plant->x];
+        return distance_to_stop(plant, plant->roots[index].sign, x);
     default:
         return 1.0;
     }
@@ -63,16 +117,20 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context) {
     struct dea_plant *plant = context;
     const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
-    double velocity = plant_velocity(plant, u, up);
+    double velocity = plant_velocity(plant, u, up), light[MAX_EVENTS];
     plant->rates_now = up;
+    bool massless = plant->v == ABSENT && plant->device->stiffness > 0.0;
+    for (int i = 0; massless && i < plant->event_count; i++)
+        if (plant->roots[i].kind == DEA_EVENT_STOP && light_reserve(plant, t, u, i, &light[i]) != DEA_OK)
+            return 1;
     if (plant_evaluate(plant, t, u, velocity, false) != DEA_OK)
         return 1;
     plant_remember(plant, t, u, velocity, false);
     for (int i = 0; i < plant->event_count; i++) {
-        double value = reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
+        bool stop = plant->roots[i].kind == DEA_EVENT_STOP;
+        double value = stop && massless ? light[i] : reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
         if (plant->violated[i])
-            value -=
-                plant->roots[i].kind == DEA_EVENT_STOP ? fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : HYSTERESIS;
+            value -= stop && !massless ? fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : HYSTERESIS;
         values[i] = value != 0.0 ? value : DBL_MIN; /* IDA cannot leave a function that stays at 0 */
     }
     plant_limit_roots(plant, t, up, values + plant->event_count);
@@ -138,4 +196,5 @@ void dea_plant_conditions(struct dea_plant *plant, dea_event_found found, void *
             found(context, plant->roots[i].kind, plant->roots[i].zone, !violated);
         }
     }
+    plant_hold_stops(plant);
 }

@@ -377,6 +377,7 @@ enum dea_status dea_plant_step(struct dea_plant *plant, double limit, struct dea
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no loss integrals", reached);
     note_step(plant);
     note_work(plant);
+    plant_note_sensitivity(plant);
     DEA_TRY(note_quiet(plant, error));
     if (!plant_judge_energy(plant))
         return dea_fail(error, DEA_ERR_INTERNAL, "t = %.17g s: no tolerance for the loss integrals", reached);

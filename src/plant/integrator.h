@@ -28,6 +28,10 @@ bool plant_judge_energy(struct dea_plant *plant);
 /* Length of the first step after a restart, at most a part of `length`, s. */
 double plant_first_step(struct dea_plant *plant, double length);
 
+/* sensitivity.c: where a step begins, and after it. Use the last evaluation. */
+void plant_note_place(struct dea_plant *plant);
+void plant_note_sensitivity(struct dea_plant *plant);
+
 /* evaluate.c: pieces of a zone's evaluation that the static start uses too. */
 void plant_leak_through_film(const struct dea_plant *plant, int zone, struct zone_point *point);
 void plant_drive_current(const struct dea_plant *plant, int zone, struct zone_point *point);

@@ -55,6 +55,9 @@ struct held_limit {
     double demanded; /* what is limited, in units of the limit, when it turned */
 };
 
+/* Whether a stop pushes; as long as that is undecided, where the platform is beyond it. See events.c. */
+enum held_stop { STOP_UNDECIDED, STOP_OFF, STOP_ON };
+
 /* One zone evaluated at a state. Partial derivatives of the film current are at fixed charge/voltage and stretch. */
 struct zone_point {
     struct dea_film film;
@@ -85,6 +88,15 @@ struct known_state {
     bool valid, with_derivatives;
     double t, rate_x; /* s, m/s */
     double *y;        /* scaled unknowns */
+};
+
+/* Spread of errors made at all times alike, variances in the same unit, s; see sensitivity.c. */
+struct error_spread {
+    double xx, xv, vv;    /* as they grow */
+    double calm;          /* as they would at the stiffness of rest */
+    double sum, calm_sum; /* over time, s^2 */
+    /* at the end of the last step: m; N/m and Pa of each film */
+    double x, stiffness[DEA_ZONES], margin[DEA_ZONES];
 };
 
 struct dea_plant {
@@ -120,8 +132,10 @@ struct dea_plant {
     N_Vector y, yp, id, rates, sample_y, sample_yp, kept_yp, quad, sample_quad;
     SUNMatrix matrix;
     SUNLinearSolver solver;
-    double *largest;       /* running maximum of |y_i|, for the weights */
-    bool *follows;         /* unknowns whose errors are weighed by the displacement's size */
+    double *largest;   /* running maximum of |y_i|, for the weights */
+    bool *follows;     /* unknowns whose errors are weighed by the displacement's size */
+    double resistance; /* to motion: damping, and branches at the natural frequency, N s/m */
+    struct error_spread spread;
     double rtol, rounding; /* of a step, relative and, per scaled unknown, absolute */
     int *slots;            /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */
     bool sparse, slack_pattern;
@@ -141,6 +155,7 @@ struct dea_plant {
     bool violated[MAX_EVENTS];              /* as last told to the caller */
     bool
         bent; /* a film or stop began or ceased to pull: a bend of the forces, from which the next step starts afresh */
+    enum held_stop stops_held[2]; /* lower, upper; of a platform without mass and damping */
     int limit_count;
     struct held_limit limits[MAX_LIMITS];
 
@@ -220,6 +235,10 @@ enum dea_status plant_find_equilibrium(const struct dea_device *device, const do
                                        double *x);
 
 /* events.c */
+/* Leaves it to the position whether stops push, as long as the platform is put to its place; decides it for the steps
+ * to come, by the events that have been told. */
+void plant_release_stops(struct dea_plant *plant);
+void plant_hold_stops(struct dea_plant *plant);
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context);
 
 /* signals.c */

@@ -98,15 +98,15 @@ static enum dea_status interpolate(struct dea_plant *plant, double t, unsigned w
     return DEA_OK;
 }
 
-static void fill_zone(const struct dea_plant *plant, int k, double *values) {
+static enum dea_status fill_zone(struct dea_plant *plant, int k, double *values) {
     const struct dea_device *device = plant->device;
     const struct zone_point *point = &plant->points[k];
     const struct dea_film *film = &point->film;
     values[ZONE_STRETCH] = film->lam;
     values[ZONE_TENSION] = film->pull;
-    values[ZONE_STRESS2] = dea_film_stress2(device, k, film, point->branches);
+    DEA_TRY(dea_film_stress2(device, k, film->lam, film->voltage, point->branches, &values[ZONE_STRESS2]));
     if (plant->zones[k].kind == DEA_PORT_PASSIVE)
-        return;
+        return DEA_OK;
     values[ZONE_VOLTAGE] = film->voltage;
     values[ZONE_CHARGE] = film->charge;
     values[ZONE_CAPACITANCE] = film->capacitance;
@@ -117,6 +117,7 @@ static void fill_zone(const struct dea_plant *plant, int k, double *values) {
     values[ZONE_PORT_VOLTAGE] = film->voltage;
     if (through)
         values[ZONE_PORT_VOLTAGE] += point->current * dea_zone_resistance(device, k, film->lam, NULL);
+    return DEA_OK;
 }
 
 static enum dea_status fill_energy(struct dea_plant *plant, double t, const double *y, const double *quad, double *in,
@@ -183,8 +184,9 @@ enum dea_status dea_plant_signals(struct dea_plant *plant, double t, unsigned wa
     for (int k = 0; k < DEA_ZONES; k++) {
         if (!plant->zones[k].present)
             continue;
-        if (wanted & DEA_SIGNALS_ZONES)
-            fill_zone(plant, k, values);
+        if (wanted & DEA_SIGNALS_ZONES && fill_zone(plant, k, values) != DEA_OK)
+            return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the %s zone is outside the model", t,
+                            dea_zone_names[k]);
         values += count_zone_signals(plant, k);
     }
     if (!(wanted & DEA_SIGNALS_ENERGY))

@@ -169,6 +169,7 @@ static enum dea_status derive_rates(struct dea_plant *plant, double t) {
 static enum dea_status make_consistent(struct dea_plant *plant, struct dea_error *error) {
     if (plant->network != ABSENT) {
         DEA_TRY(plant_network_settle(plant, error));
+        plant_note_place(plant);
         return plant_restart_integrator(plant, error);
     }
     if (balance_platform(plant, plant->t) != DEA_OK)
@@ -177,6 +178,7 @@ static enum dea_status make_consistent(struct dea_plant *plant, struct dea_error
     if (derive_rates(plant, plant->t) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state is outside the model: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "unknown reason");
+    plant_note_place(plant);
     return plant_restart_integrator(plant, error);
 }
 
@@ -253,7 +255,9 @@ enum dea_status dea_plant_start(struct dea_plant *plant, double t, const struct 
     plant->trouble = NULL;
     plant_forget(plant);
     plant_release_limits(plant);
+    plant_release_stops(plant);
     plant->t = plant->t_previous = t;
+    plant->spread = (struct error_spread){.xx = 0.0};
     struct rest_task task = {.plant = plant, .relaxed = start == DEA_START_EQUILIBRIUM, .t = t};
     double position;
     N_VConst(0.0, plant->quad);
@@ -340,6 +344,7 @@ enum dea_status dea_plant_restart(struct dea_plant *plant, const struct dea_plan
     plant->trouble = NULL;
     plant_forget(plant);
     plant_release_limits(plant);
+    plant_release_stops(plant);
     if (book_jump(plant, inputs) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the jump of the drive leaves the model: %s", plant->t,
                         plant->trouble != NULL ? plant->trouble : "no equilibrium on the way");
@@ -358,5 +363,6 @@ enum dea_status plant_turn_over(struct dea_plant *plant, struct dea_error *error
                         plant->trouble != NULL ? plant->trouble : "unknown reason");
     plant->stats.restarts++;
     plant->bent = false;
+    plant_hold_stops(plant);
     return make_consistent(plant, error);
 }

@@ -73,6 +73,21 @@ static double branch_stiffness(const struct dea_device *device, const struct dea
     return sum;
 }
 
+/* Damping, and of a platform that swings what its branches take at the natural frequency, N s/m. */
+static double find_resistance(const struct dea_plant *plant) {
+    const struct dea_device *device = plant->device;
+    double resistance = device->damping;
+    if (plant->motion != MOTION_INERTIAL || device->stiffness <= 0.0)
+        return resistance;
+    double omega = sqrt(device->stiffness / device->effective_mass);
+    for (int b = 0; b < device->material.branch_count; b++) {
+        const struct dea_branch *branch = &device->material.branches[b];
+        double turn = omega * branch->tau;
+        resistance += branch_stiffness(device, branch) * branch->tau / (1.0 + turn * turn);
+    }
+    return resistance;
+}
+
 /* Time after which the platform has forgotten an error, s, and the period of its free oscillation: INFINITY where it
  * creeps back. */
 static double platform_memory(const struct dea_plant *plant, double *cycle) {
@@ -81,14 +96,9 @@ static double platform_memory(const struct dea_plant *plant, double *cycle) {
     if (plant->motion == MOTION_ALGEBRAIC || device->stiffness <= 0.0)
         return 0.0;
     if (plant->motion == MOTION_VISCOUS)
-        return device->damping / device->stiffness;
-    double omega = sqrt(device->stiffness / device->effective_mass), resistance = device->damping;
-    for (int b = 0; b < device->material.branch_count; b++) {
-        const struct dea_branch *branch = &device->material.branches[b];
-        double turn = omega * branch->tau;
-        resistance += branch_stiffness(device, branch) * branch->tau / (1.0 + turn * turn);
-    }
-    double rate = 0.5 * resistance / device->effective_mass; /* of the amplitude's decay, 1/s */
+        return plant->resistance / device->stiffness;
+    double omega = sqrt(device->stiffness / device->effective_mass);
+    double rate = 0.5 * plant->resistance / device->effective_mass; /* of the amplitude's decay, 1/s */
     if (rate >= omega)
         return (rate + sqrt(rate * rate - omega * omega)) / (omega * omega);
     *cycle = 2.0 * M_PI / omega;
@@ -138,6 +148,7 @@ static double weigh_memory(const struct dea_plant *plant) {
 }
 
 void plant_set_tolerance(struct dea_plant *plant) {
+    plant->resistance = find_resistance(plant);
     double asked = TOLERANCE_FACTOR * pow(plant->options.accuracy, TOLERANCE_EXPONENT);
     plant->rtol = fmax(asked / (1.0 + weigh_memory(plant)), TOLERANCE_FLOOR);
 

@@ -53,6 +53,13 @@ jq -e >tested '.status == "stopped" and .t_end < 0.01 and (.reason | test("break
 jq -e >tested '.events[0] | .type == "breakdown" and .zone == "left" and .t > 0.001' out
 has err "warning: t = 0.00"
 
+# a motion that multiplies errors says so, one that swings does not
+jq -e >tested '.sensitivity > 0.5 and .sensitivity < 2' json/summary.json
+expect 0 "$DEASIM" run "$ROOT/tests/cases/end_stops_lossy.yaml" --json
+has err "warning: the motion multiplies small errors "
+has err "compare with a run at --accuracy 1e-05"
+jq -e >tested '.sensitivity >= 5' out
+
 # ---- how much is said ----
 expect 0 "$DEASIM" run scene.yaml --quiet --set drive.left.waveform.high="3.6 kV"
 [[ ! -s out && ! -s err ]] || { cat out err; exit 1; }

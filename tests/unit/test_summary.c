@@ -139,7 +139,7 @@ static void empty_result_has_every_key(void **state) {
     char *text = dea_summary_json(&scene, &result);
     cJSON *root = cJSON_Parse(text);
     static const char *const keys[] = {"scene",  "status", "t_end",    "signals", "measures",
-                                       "events", "energy", "coupling", "stats"};
+                                       "events", "energy", "coupling", "stats",   "sensitivity"};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         get(root, keys[i], NULL, NULL);
     cJSON_Delete(root);

@@ -65,6 +65,21 @@ static void loosened_tolerances_are_told(void **state) {
     dea_result_clear(&run.result);
 }
 
+static void sensitive_motions_are_told(void **state) {
+    (void)state;
+    struct sample_run run;
+    fill_sample(&run);
+    run.result.sensitivity = 4.9;
+    char *text = print_summary(&run);
+    assert_null(strstr(text, "errors"));
+    free(text);
+    run.result.sensitivity = 123.4;
+    text = print_summary(&run);
+    assert_non_null(strstr(text, "\n  errors    grow 123 times with the motion (accuracy may not be as asked)\n"));
+    free(text);
+    dea_result_clear(&run.result);
+}
+
 static void native_run_has_no_coupling(void **state) {
     (void)state;
     struct sample_run run;
@@ -109,7 +124,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_is_on_one_page),    cmocka_unit_test(rounding_dust_is_shown_as_zero),
         cmocka_unit_test(loosened_tolerances_are_told), cmocka_unit_test(native_run_has_no_coupling),
-        cmocka_unit_test(long_event_lists_are_cut),
+        cmocka_unit_test(long_event_lists_are_cut),     cmocka_unit_test(sensitive_motions_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
