@@ -19,6 +19,7 @@ struct dea_zone {
     /* set by dea_device_prepare */
     double side;             /* +1 left, -1 right */
     double volume;           /* w l0 t0, m^3 */
+    double per_stretch;      /* C of a film of permittivity 1 over its stretch squared, F */
     double rest_capacitance; /* C at x = 0, F; 0 when passive */
 };
 

@@ -34,10 +34,12 @@ enum dea_status dea_device_prepare(struct dea_device *device, struct dea_error *
     for (int k = 0; k < DEA_ZONES; k++) {
         struct dea_zone *zone = &device->zones[k];
         zone->side = zone_sides[k];
-        zone->volume = zone->rest_capacitance = 0.0;
+        zone->volume = zone->rest_capacitance = zone->per_stretch = 0.0;
         if (!zone->present)
             continue;
         zone->volume = device->width * zone->length * device->thickness;
+        zone->per_stretch = DEA_VACUUM_PERMITTIVITY * device->width * zone->length /
+                            (device->prestretch[0] * device->prestretch[0] * device->thickness);
         if (zone->electroded) {
             zone->rest_capacitance = dea_zone_capacitance(device, k, device->prestretch[0], NULL, NULL);
             if (!(zone->rest_capacitance > 0.0))
@@ -83,9 +85,7 @@ double dea_zone_stretch(const struct dea_device *device, int zone, double x) {
 
 double dea_zone_capacitance(const struct dea_device *device, int zone, double lam1, double *slope, double *curvature) {
     const struct dea_dielectric *dielectric = &device->material.dielectric;
-    double lp1 = device->prestretch[0];
-    double factor =
-        DEA_VACUUM_PERMITTIVITY * device->width * device->zones[zone].length / (lp1 * lp1 * device->thickness);
+    double factor = device->zones[zone].per_stretch;
     double a = dielectric->permittivity, b = dielectric->permittivity_slope;
     if (slope != NULL)
         *slope = factor * lam1 * (2.0 * a + 3.0 * b * lam1);

@@ -13,9 +13,11 @@
 struct slope_of_energy {
     double g;     /* dU/dlam, J */
     double g_lam; /* d2U/dlam2 at fixed e, J */
+    double soft;  /* the same at fixed voltage, J */
     double g_e;   /* d2U/(dlam de), J/C or J/V */
     double p1;    /* Pa */
     double c, c1; /* F */
+    double v;     /* V */
 };
 
 struct film_task {
@@ -46,8 +48,9 @@ static enum dea_status slope_energy(const struct film_task *task, double lam, st
     out->p1 = p1;
     out->g = volume * p1;
     out->g_lam = volume * p11;
+    out->soft = out->g_lam;
     out->g_e = 0.0;
-    out->c = out->c1 = 0.0;
+    out->c = out->c1 = out->v = 0.0;
     if (task->control == DEA_CONTROL_PASSIVE)
         return DEA_OK;
 
@@ -55,17 +58,19 @@ static enum dea_status slope_energy(const struct film_task *task, double lam, st
     double c1, c2, c = dea_zone_capacitance(device, task->zone, lam, &c1, &c2);
     if (!(c > 0.0))
         return DEA_RECOVERABLE;
-    double v = task->control == DEA_CONTROL_CHARGE ? task->e / c : task->e;
+    double per_c = 1.0 / c, v = task->control == DEA_CONTROL_CHARGE ? task->e * per_c : task->e;
     out->g -= 0.5 * v * v * c1;
-    out->g_lam -= 0.5 * v * v * c2;
-    if (task->control == DEA_CONTROL_CHARGE) {
-        out->g_lam += v * v * c1 * c1 / c;
-        out->g_e = -v * c1 / c;
+    out->soft -= 0.5 * v * v * c2;
+    if (task->control == DEA_CONTROL_CHARGE) { /* stiffer by (dQ/dlam)^2 / C */
+        out->g_e = -v * c1 * per_c;
+        out->g_lam = out->soft - v * c1 * out->g_e;
     } else {
         out->g_e = -v * c1;
+        out->g_lam = out->soft;
     }
     out->c = c;
     out->c1 = c1;
+    out->v = v;
     return DEA_OK;
 }
 
@@ -153,14 +158,10 @@ enum dea_status dea_film_respond(const struct dea_device *device, int zone, enum
     }
     film->p1 = s.p1;
     film->pull = film->slack ? 0.0 : s.g * per_length;
-    film->stiffness = 0.0;
-    if (!film->slack) { /* at given voltage: charge control is stiffer by (dQ/dx)^2 / C */
-        double extra = control == DEA_CONTROL_CHARGE ? e * e / (s.c * s.c) * s.c1 * s.c1 / s.c : 0.0;
-        film->stiffness = (s.g_lam - extra) * per_length * per_length;
-    }
+    film->stiffness = film->slack ? 0.0 : s.soft * per_length * per_length;
     film->capacitance = s.c;
-    film->voltage = control == DEA_CONTROL_CHARGE ? e / s.c : control == DEA_CONTROL_VOLTAGE ? e : 0.0;
-    film->charge = control == DEA_CONTROL_CHARGE ? e : s.c * film->voltage;
+    film->voltage = s.v;
+    film->charge = control == DEA_CONTROL_CHARGE ? e : s.c * s.v;
     film->dlam_dx = film->slack ? 0.0 : geometry->side * per_length;
     if (!with_derivatives)
         return DEA_OK;
