@@ -6,9 +6,11 @@
 #include <getopt.h>
 #include <stdio.h>
 
-static const char usage[] = "usage: deasim check SCENE... [--set key=value]... [--engine E] [--trust-netlist]\n\n"
-                            "Reads each scene with its device, material, waveform and netlist files, reports the first "
-                            "mistake, runs nothing.\n";
+static const char usage[] =
+    "usage: deasim check SCENE... [--accuracy A] [--set key=value]... [--engine E] [--trust-netlist]\n"
+    "                    [--quiet]\n\n"
+    "Reads each scene with its device, material, waveform and netlist files, reports the first "
+    "mistake, runs nothing.\nThe options are those of deasim run.\n";
 
 static void print_device(const char *path, const struct dea_scene_device *named) {
     const struct dea_device *device = &named->device;

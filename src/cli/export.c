@@ -2,6 +2,7 @@
 #include "deasim/export.h"
 #include "deasim/new_file.h"
 
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/options.h"
 

@@ -2,7 +2,6 @@
 #include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/fit_print.h"
-#include "cli/options.h"
 
 #include "deasim/quantity.h"
 
@@ -46,7 +45,7 @@ static const char usage[] =
     "      --branches         the file is a step test\n"
     "      --count N          branches, 1 to 5 (default: as many as the data carry)\n"
     "      --mu MU            equilibrium modulus, to write branch moduli instead of ratios\n"
-    "  -o DIR                 fit.csv, fit.gnuplot and fit.png there\n"
+    "  -o, --output DIR       fit.csv, fit.gnuplot and fit.png there\n"
     "      --json             one JSON object, SI units\n"
     "  -h, --help             this text\n"
     "\n"
@@ -58,7 +57,7 @@ struct fit_options {
     enum dea_law_kind law;
     int terms, count;
     double mu;
-    bool start_free, branches, json, help;
+    bool start_free, branches, json;
 };
 
 static enum dea_status parse_number(const char *option, const char *text, const char *si_unit, double *value,
@@ -130,8 +129,7 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
         options->directory = optarg;
         return DEA_OK;
     default:
-        options->help = true;
-        return DEA_STOPPED;
+        return dea_fail(error, DEA_ERR_INTERNAL, "option %d is not taken", letter);
     }
 }
 
@@ -150,9 +148,7 @@ static enum dea_status parse_options(int argc, char **argv, struct fit_options *
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
     *options = (struct fit_options){.test = {.lam2 = 1.0, .start = 1.0}, .law = DEA_GENT};
-    DEA_TRY(cli_walk_options(argc, argv, "o:h", known, take_option, options, error));
-    if (options->help)
-        return DEA_OK;
+    DEA_TRY(cli_walk_options(argc, argv, usage, known, take_option, options, error));
     if (optind + 1 != argc)
         return dea_fail(error, DEA_ERR_INPUT, "give one CSV file, see deasim fit --help");
     options->path = argv[optind];
@@ -194,9 +190,7 @@ int cli_fit(int argc, char **argv) {
     struct fit_options options;
     struct dea_error error = {0};
     enum dea_status status = parse_options(argc, argv, &options, &error);
-    if (status == DEA_OK && options.help)
-        fputs(usage, stdout);
-    else if (status == DEA_OK)
+    if (status == DEA_OK)
         status = run(&options, &error);
-    return status == DEA_OK ? 0 : cli_report("fit", &error);
+    return cli_end("fit", status, &error);
 }

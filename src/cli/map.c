@@ -2,7 +2,6 @@
 #include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/design_options.h"
-#include "cli/options.h"
 #include "cli/range.h"
 
 #include "deasim/map.h"
@@ -33,8 +32,8 @@ static const char usage[] =
     "      --set P=VALUE      another parameter of the design; may be repeated\n"
     "      --dead-load        a constant force instead of the passive membrane\n"
     "      --max-voltage V    the supply ends there\n"
-    "  -n NXxNY               designs along x and y (default 201x201)\n"
-    "  -o DIR                 folder for map.csv, map.png and map.gnuplot (default: map)\n"
+    "  -n, --designs NXxNY    designs along x and y (default 201x201)\n"
+    "  -o, --output DIR       folder for map.csv, map.png and map.gnuplot (default: map)\n"
     "      --no-picture       write no map.png\n"
     "      --threads N        default: one per processor; the numbers do not depend on it\n"
     "  -h, --help             this text\n"
@@ -47,7 +46,7 @@ struct map_options {
     const char *directory;
     struct dea_map map;
     int threads;
-    bool no_picture, help;
+    bool no_picture;
 };
 
 /* "lp1=0.7:1.8" */
@@ -124,9 +123,6 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
     case 'o':
         options->directory = optarg;
         return DEA_OK;
-    case 'h':
-        options->help = true;
-        return DEA_STOPPED;
     default:
         return cli_parse_design_option(letter, &options->design, error);
     }
@@ -139,14 +135,13 @@ static enum dea_status parse_options(int argc, char **argv, struct map_options *
                                           {"of", required_argument, NULL, OPTION_OF},
                                           {"threads", required_argument, NULL, OPTION_THREADS},
                                           {"no-picture", no_argument, NULL, OPTION_NO_PICTURE},
+                                          {"designs", required_argument, NULL, 'n'},
                                           {"output", required_argument, NULL, 'o'},
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
     options->directory = "map";
     options->map.x.count = options->map.y.count = DEFAULT_COUNT;
-    DEA_TRY(cli_walk_options(argc, argv, "n:o:h", known, take_option, options, error));
-    if (options->help)
-        return DEA_OK;
+    DEA_TRY(cli_walk_options(argc, argv, usage, known, take_option, options, error));
     DEA_TRY(cli_finish_design(argc, argv, &options->design, &options->map.base, NULL, error));
     DEA_TRY(parse_axis("--x", options->texts[0], &options->map.x, error));
     return parse_axis("--y", options->texts[1], &options->map.y, error);
@@ -204,10 +199,8 @@ int cli_map(int argc, char **argv) {
     struct map_options options = {0};
     struct dea_error error = {0};
     enum dea_status status = parse_options(argc, argv, &options, &error);
-    if (status == DEA_OK && options.help)
-        fputs(usage, stdout);
-    else if (status == DEA_OK)
+    if (status == DEA_OK)
         status = run(&options, &error);
     dea_map_clear(&options.map);
-    return status == DEA_OK ? 0 : cli_report("map", &error);
+    return cli_end("map", status, &error);
 }

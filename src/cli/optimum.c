@@ -3,7 +3,6 @@
 #include "cli/cli.h"
 #include "cli/design_options.h"
 #include "cli/optimum_print.h"
-#include "cli/options.h"
 #include "cli/range.h"
 
 #include "deasim/quantity.h"
@@ -54,7 +53,7 @@ struct optimum_options {
     struct dea_optimum_task task;
     const char *free_list, *over;
     struct dea_device device; /* the film's surroundings, for --dynamic */
-    bool pure_shear, compare, dynamic, json, help;
+    bool pure_shear, compare, dynamic, json;
     double least_tension;
 };
 
@@ -128,9 +127,6 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
     case OPTION_JSON:
         options->json = true;
         return DEA_OK;
-    case 'h':
-        options->help = true;
-        return DEA_STOPPED;
     default:
         return cli_parse_design_option(letter, &options->design, error);
     }
@@ -165,8 +161,8 @@ static enum dea_status parse_options(int argc, char **argv, struct optimum_optio
                                           {"json", no_argument, NULL, OPTION_JSON},
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
-    DEA_TRY(cli_walk_options(argc, argv, "h", known, take_option, options, error));
-    return options->help ? DEA_OK : finish_options(argc, argv, options, error);
+    DEA_TRY(cli_walk_options(argc, argv, usage, known, take_option, options, error));
+    return finish_options(argc, argv, options, error);
 }
 
 /* ---- answers ---- */
@@ -241,10 +237,8 @@ int cli_optimum(int argc, char **argv) {
     struct optimum_options options = {0};
     struct dea_error error = {0};
     enum dea_status status = parse_options(argc, argv, &options, &error);
-    if (status == DEA_OK && options.help)
-        fputs(usage, stdout);
-    else if (status == DEA_OK)
+    if (status == DEA_OK)
         status = options.over != NULL ? answer_over(&options, &error) : answer_one(&options, &error);
     dea_device_clear(&options.device);
-    return status == DEA_OK ? 0 : cli_report("optimum", &error);
+    return cli_end("optimum", status, &error);
 }

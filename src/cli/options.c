@@ -10,24 +10,22 @@
 
 enum { OPTION_ACCURACY = 256, OPTION_SET, OPTION_JSON, OPTION_TRUST, OPTION_ENGINE, OPTION_TIME_LIMIT };
 
-static const struct option long_options[] = {
-    {"output", required_argument, NULL, 'o'},
-    {"accuracy", required_argument, NULL, OPTION_ACCURACY},
-    {"set", required_argument, NULL, OPTION_SET},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {"quiet", no_argument, NULL, 'q'},
-    {"verbose", no_argument, NULL, 'v'},
-    {"trust-netlist", no_argument, NULL, OPTION_TRUST},
-    {"engine", required_argument, NULL, OPTION_ENGINE},
-    {"time-limit", required_argument, NULL, OPTION_TIME_LIMIT},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
+static const struct {
+    struct option option;
+    const char *commands; /* that take it */
+} rows[] = {
+    {{"output", required_argument, NULL, 'o'}, "run export"},
+    {{"accuracy", required_argument, NULL, OPTION_ACCURACY}, "run check test"},
+    {{"set", required_argument, NULL, OPTION_SET}, "run check test export"},
+    {{"json", no_argument, NULL, OPTION_JSON}, "run"},
+    {{"quiet", no_argument, NULL, 'q'}, "run check test"},
+    {{"verbose", no_argument, NULL, 'v'}, "run test"},
+    {{"trust-netlist", no_argument, NULL, OPTION_TRUST}, "run check test export"},
+    {{"engine", required_argument, NULL, OPTION_ENGINE}, "run check test"},
+    {{"time-limit", required_argument, NULL, OPTION_TIME_LIMIT}, "run test"},
+    {{"help", no_argument, NULL, 'h'}, "run check test export"},
 };
-
-int cli_report(const char *command, const struct dea_error *error) {
-    fprintf(stderr, "deasim %s: %s\n", command, error->text);
-    return dea_exit_code(error->status);
-}
+enum { ROWS = sizeof rows / sizeof rows[0] };
 
 enum dea_status cli_add_override(struct cli_options *options, const char *text, struct dea_error *error) {
     const char *equals = strchr(text, '=');
@@ -97,22 +95,27 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
         options->verbose = true;
         return DEA_OK;
     default:
-        options->help = true;
-        return DEA_STOPPED;
+        return dea_fail(error, DEA_ERR_INTERNAL, "option %d is not taken", letter);
     }
 }
 
 int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli_options *options) {
     struct dea_error error;
+    struct option known[ROWS + 1] = {{0}};
     memset(options, 0, sizeof *options);
-    if (cli_walk_options(argc, argv, "o:qvh", long_options, take_option, options, &error) != DEA_OK)
-        return cli_report(argv[0], &error);
-    if (options->help) {
-        fputs(usage, stdout);
-        return 0;
-    }
+    for (int i = 0, count = 0; i < ROWS; i++)
+        if (strstr(rows[i].commands, argv[0]) != NULL)
+            known[count++] = rows[i].option;
+    enum dea_status status = cli_walk_options(argc, argv, usage, known, take_option, options, &error);
+    if (status != DEA_OK)
+        return cli_end(argv[0], status, &error);
     if (optind >= argc) {
         fprintf(stderr, "deasim %s: name a scene file\n%s", argv[0], usage);
+        return 2;
+    }
+    if (optind + 1 < argc && strstr("run export", argv[0]) != NULL) {
+        fprintf(stderr, "deasim %s: one scene at a time (deasim test runs several); what is \"%s\"?\n", argv[0],
+                argv[optind + 1]);
         return 2;
     }
     return -1;

@@ -14,14 +14,15 @@ struct cli_options {
     struct dea_override overrides[CLI_MAX_OVERRIDES];
     char *override_texts[CLI_MAX_OVERRIDES]; /* owned copies the overrides point into */
     size_t override_count;
-    bool json, quiet, verbose, help;
+    bool json, quiet, verbose;
     bool trust_netlist;            /* --trust-netlist */
     enum dea_engine_choice engine; /* --engine */
     double time_limit;             /* --time-limit, s; 0: none */
 };
 
-/* Parses the options of `run`, `check` and `test` with getopt_long; afterwards optind is the first scene. Returns -1 to
- * go on, else the exit code (help printed, or a mistake reported on stderr). `usage` is the command's help text. */
+/* Parses those options that the command argv[0] (run, check, test, export) takes; afterwards optind is the first scene.
+ * Returns -1 to go on, else the exit code (help printed, or a mistake reported on stderr). `usage` is the command's
+ * help text. */
 int cli_parse_scene_options(int argc, char **argv, const char *usage, struct cli_options *options);
 void cli_clear_options(struct cli_options *options);
 
@@ -30,8 +31,5 @@ enum dea_status cli_read_scene(const char *path, const struct cli_options *optio
 
 /* Splits "key=value" into an override. */
 enum dea_status cli_add_override(struct cli_options *options, const char *text, struct dea_error *error);
-
-/* "deasim COMMAND: message" on stderr; returns the exit code of the status. */
-int cli_report(const char *command, const struct dea_error *error);
 
 #endif

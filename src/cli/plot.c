@@ -1,7 +1,6 @@
 /* deasim plot: the picture of a run. */
 #include "cli/arguments.h"
 #include "cli/cli.h"
-#include "cli/options.h"
 #include "deasim/result.h"
 
 #include <stdio.h>
@@ -25,23 +24,17 @@ static int plot_folder(const char *directory) {
     return 0;
 }
 
-static enum dea_status take_option(int letter, void *help, struct dea_error *error) {
-    (void)letter;
-    (void)error;
-    *(bool *)help = true;
-    return DEA_STOPPED;
+static enum dea_status take_option(int letter, void *options, struct dea_error *error) {
+    (void)options;
+    return dea_fail(error, DEA_ERR_INTERNAL, "option %d is not taken", letter);
 }
 
 int cli_plot(int argc, char **argv) {
     static const struct option long_options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    bool help = false;
     struct dea_error error;
-    if (cli_walk_options(argc, argv, "h", long_options, take_option, &help, &error) != DEA_OK)
-        return cli_report("plot", &error);
-    if (help) {
-        fputs(usage, stdout);
-        return 0;
-    }
+    enum dea_status status = cli_walk_options(argc, argv, usage, long_options, take_option, NULL, &error);
+    if (status != DEA_OK)
+        return cli_end("plot", status, &error);
     if (optind >= argc) {
         fprintf(stderr, "deasim plot: name a result folder\n%s", usage);
         return 2;

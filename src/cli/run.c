@@ -1,5 +1,6 @@
 /* deasim run: one scene in time. */
 #include "deasim/run.h"
+#include "cli/arguments.h"
 #include "cli/cli.h"
 #include "cli/options.h"
 #include "deasim/new_file.h"
@@ -119,11 +120,6 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
 int cli_run(int argc, char **argv) {
     struct cli_options options;
     int code = cli_parse_scene_options(argc, argv, usage, &options);
-    if (code < 0 && optind + 1 < argc) {
-        fprintf(stderr, "deasim run: one scene at a time (deasim test runs several); what is \"%s\"?\n",
-                argv[optind + 1]);
-        code = 2;
-    }
     if (code < 0) {
         struct dea_scene scene;
         enum dea_status status = cli_read_scene(argv[optind], &options, &scene);

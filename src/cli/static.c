@@ -26,7 +26,7 @@ struct options {
     struct dea_range range; /* V or V/m */
     double right_voltage;
     struct cli_options common; /* holds the --set overrides */
-    bool csv, json, help;
+    bool csv, json;
 };
 
 static const char usage[] =
@@ -83,8 +83,7 @@ static enum dea_status take_option(int letter, void *context, struct dea_error *
         options->json = true;
         return DEA_OK;
     default:
-        options->help = true;
-        return DEA_STOPPED;
+        return dea_fail(error, DEA_ERR_INTERNAL, "option %d is not taken", letter);
     }
 }
 
@@ -97,9 +96,7 @@ static enum dea_status parse_options(int argc, char **argv, struct options *opti
                                           {"json", no_argument, NULL, OPTION_JSON},
                                           {"help", no_argument, NULL, 'h'},
                                           {NULL, 0, NULL, 0}};
-    DEA_TRY(cli_walk_options(argc, argv, "V:E:r:h", known, take_option, options, error));
-    if (options->help)
-        return DEA_OK;
+    DEA_TRY(cli_walk_options(argc, argv, usage, known, take_option, options, error));
     if (optind >= argc)
         return dea_fail(error, DEA_ERR_INPUT, "no device file given, see deasim static --help");
     if (optind + 1 < argc)
@@ -173,10 +170,8 @@ int cli_static(int argc, char **argv) {
     struct options options = {0};
     struct dea_error error = {0};
     enum dea_status status = parse_options(argc, argv, &options, &error);
-    if (status == DEA_OK && options.help)
-        fputs(usage, stdout);
-    else if (status == DEA_OK)
+    if (status == DEA_OK)
         status = run(&options, &error);
     cli_clear_options(&options.common);
-    return status == DEA_OK ? 0 : cli_report("static", &error);
+    return cli_end("static", status, &error);
 }

@@ -9,9 +9,11 @@
 #include <stdio.h>
 
 static const char usage[] =
-    "usage: deasim test SCENE... [--accuracy A] [--set key=value]... [--quiet] [--verbose]\n\n"
+    "usage: deasim test SCENE... [--accuracy A] [--set key=value]... [--engine E] [--trust-netlist]\n"
+    "                   [--time-limit T] [--quiet] [--verbose]\n\n"
     "Runs each scene, judges its `expect` lines, prints one line a scene, then \"N passed, N failed\".\n"
-    "A scene passes when it runs to its end (or an event it asked to stop at) and every expectation is met.\n";
+    "A scene passes when it runs to its end (or an event it asked to stop at) and every expectation is met.\n"
+    "The options are those of deasim run; with --quiet only the scenes that fail have their line.\n";
 
 /* Judges one result; prints each unmet expectation. */
 static bool judge(const struct dea_scene *scene, const struct dea_result *result) {
@@ -45,8 +47,10 @@ static int test_scene(const char *path, const struct cli_options *options) {
             fprintf(stderr, "%s: %s\n", path, error.text);
         else if (!judge(&scene, &result))
             code = dea_exit_code(DEA_ERR_EXPECTATION);
-        printf("%s %s  (%zu expectations, %ld steps, imbalance %.1e, %.2f s)\n", code == 0 ? "ok    " : "FAILED", path,
-               scene.expectation_count, result.stats_run.plant_steps, result.energy.imbalance, result.stats_run.wall_s);
+        if (code != 0 || !options->quiet)
+            printf("%s %s  (%zu expectations, %ld steps, imbalance %.1e, %.2f s)\n", code == 0 ? "ok    " : "FAILED",
+                   path, scene.expectation_count, result.stats_run.plant_steps, result.energy.imbalance,
+                   result.stats_run.wall_s);
         dea_result_clear(&result);
     } else {
         printf("FAILED %s\n", path);

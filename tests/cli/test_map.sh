@@ -38,7 +38,7 @@ expect 0 "$DEASIM" map "$ROOT/models/planar_unidirectional.yaml" --x lp1=1.1:1.3
 grep -q '^1.2,1.2,0.0447716' device/map.csv || { cat device/map.csv; exit 1; }
 expect 0 "$DEASIM" map "$ROOT/models/planar_unidirectional.yaml" --x lp1=1:1.3 --y r_a=0:1 -n 5 --of mode -o modes --dead-load
 has out '25 designs:'
-expect 0 "$DEASIM" map --x lp1=1:1.3 --y r_a=0.1:0.9 -n 4 --max-voltage "1 kV" --no-picture -o supply
+expect 0 "$DEASIM" map --x lp1=1:1.3 --y r_a=0.1:0.9 --designs 4 --max-voltage "1 kV" --no-picture --output supply
 has out 'supply 100.0 %'
 expect 0 "$DEASIM" map --help
 has out 'usage: deasim map'

@@ -124,6 +124,18 @@ expect 0 "$DEASIM" test scene.yaml
 has out "ok     scene.yaml"
 has out "1 passed, 0 failed"
 sed 's/below: 0.3 mm/below: 0.11 mm/' scene.yaml >unmet.yaml
+expect 1 "$DEASIM" test --quiet scene.yaml unmet.yaml
+lacks out "ok "
+has out "FAILED unmet.yaml"
+# an option that a command would not heed is a mistake
+expect 2 "$DEASIM" check scene.yaml --json
+has err "deasim check: unknown option --json, see deasim check --help"
+expect 2 "$DEASIM" test scene.yaml -o out
+has err "deasim test: unknown option -o, see deasim test --help"
+expect 2 "$DEASIM" export scene.yaml --accuracy 1e-3
+has err "deasim export: unknown option --accuracy, see deasim export --help"
+expect 2 "$DEASIM" export scene.yaml other.yaml
+has err 'deasim export: one scene at a time (deasim test runs several); what is "other.yaml"?'
 expect 1 "$DEASIM" test scene.yaml unmet.yaml
 has out "unmet.yaml:8: x max = 0.000"
 has out "expected above 0.0001 and below 0.00011: not met"
@@ -165,9 +177,12 @@ expect 0 "$DEASIM" --version
 has out "deasim 0."
 expect 2 "$DEASIM" rum
 has err 'unknown command "rum"'
-for command in run check test; do
+for command in run check test static map optimum fit plot export; do
     expect 0 "$DEASIM" $command --help
     has out "usage: deasim $command"
+    mv out help
+    expect 0 "$DEASIM" $command -h
+    cmp help out
 done
 
 # a full terminal is not success
