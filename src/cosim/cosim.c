@@ -22,7 +22,7 @@
 /* A swing below these parts of A, in capacitance and of the largest displacement, is left out: the platform rests. */
 #define REST_SHARE 0.1
 #define REST_SHARE_OF_POSITION 0.25
-#define FIT_SHARE 0.004         /* of A, to the charge fits */
+#define FIT_SHARE 0.004         /* of A, to the charge fits, over a natural time or what has been run of it */
 #define MIN_HORIZON_RATIO 1e-12 /* of the run: below it the coupling has collapsed */
 /* Of 1/omega: exchanges further apart would keep a swing alive, at what they may miss, for ever. */
 #define SWING_REACH 0.7
@@ -105,7 +105,7 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
     for (int i = 0; i < run->count; i++) {
         struct exchange exchange;
         const struct coupled *device = &run->devices[i];
-        double fit = FIT_SHARE * run->scene->accuracy * fmin(natural_time(device->device), run->stop);
+        double fit = FIT_SHARE * run->scene->accuracy * fmin(natural_time(device->device), run->reached);
         if (run->control->pointwise)
             fit = -1.0;
         DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
