@@ -169,6 +169,42 @@ static double worst_ramp_error(const struct samples *samples, const double *valu
 
 /* ---- tests ---- */
 
+/* A film whose second pin is not at ground, but far from it, does as one against ground. */
+static void test_lifted_film_does_as_a_grounded_one(void **state) {
+    (void)state;
+    static const char *const netlists[] = {"t\n" RAMP "R1 in p 1meg\nXdea p 0 pos DEA\n",
+                                           "t\nVin in n pulse(0 3300 1m 100u 100u 1 2)\nR1 in p 1meg\n"
+                                           "Vn n 0 -1500\nXdea p n pos DEA\n"};
+    for (int resistance = 0; resistance < 2; resistance++) {
+        double charge[2], voltage[2], film[2];
+        for (int lifted = 0; lifted < 2; lifted++) {
+            struct samples *samples = new_samples();
+            struct dea_error error;
+            struct scene scene = {netlists[lifted],
+                                  plain_port,
+                                  {.stop = 2e-3, .step = 1e-6, .max_step = 5e-6, .reltol = 1e-6, .trtol = 1.0},
+                                  0.0};
+            scene.port.resistance = resistance * 1e6;
+            scene.port.conductivity = 1e-9;
+            scene.port.conductivity_field = 50e6;
+            scene.port.leakage_area = 1e-4;
+            scene.port.leakage_thickness = 40e-6;
+            if (run(&scene, samples, NULL, NULL, &error) != DEA_OK)
+                fail_msg("%s", error.text);
+            int last = samples->count - 1;
+            charge[lifted] = samples->charge[last];
+            voltage[lifted] = samples->voltage[last];
+            film[lifted] = samples->film[last];
+            free(samples);
+        }
+        assert_true(charge[0] > 1e-9 && 3300.0 - voltage[0] > 1.0);
+        assert_true(resistance == 0 || voltage[0] - film[0] > 1.0);
+        assert_true(fabs(charge[1] - charge[0]) < 1e-5 * charge[0]);
+        assert_true(fabs(voltage[1] - voltage[0]) < 1e-5 * voltage[0]);
+        assert_true(fabs(film[1] - film[0]) < 1e-5 * film[0]);
+    }
+}
+
 static void test_fixed_capacitor_follows_the_exact_solution(void **state) {
     (void)state;
     struct samples *samples = new_samples();
@@ -605,6 +641,7 @@ static int check_poison(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lifted_film_does_as_a_grounded_one),
         cmocka_unit_test(test_fixed_capacitor_follows_the_exact_solution),
         cmocka_unit_test(test_electrode_resistance_is_in_series),
         cmocka_unit_test(test_moving_capacitor_keeps_its_charge),
