@@ -9,7 +9,11 @@
 
 #define LIMIT_MARGIN 1e-3   /* of the elastic law, D/Jm */
 #define HYSTERESIS 1e-9     /* a limit just crossed must be left by this much, so that rounding is no event */
-#define STOP_HYSTERESIS 1.0 /* of what a step may err: a platform leaving a stop must be off it for good */
+#define STOP_HYSTERESIS 0.1 /* of what a step may err: a platform leaving a stop must be off it for good */
+/* The same of a light platform, which leaves by the push; and how much deeper than the push takes it, in hystereses, it
+ * is by momentum. */
+#define LIGHT_HYSTERESIS 1.0
+#define DEEP 10.0
 
 static double breakdown_reserve(const struct dea_plant *plant, int k) {
     const struct dea_device *device = plant->device;
@@ -44,7 +48,7 @@ static double distance_to_stop(const struct dea_plant *plant, int sign, double x
     return (sign > 0 ? stops[1] - x : x - stops[0]) / plant->scale[plant->x];
 }
 
-/* Whether a massless platform is pushed onto a stop, as the distance (scaled) from the stop to about where it would
+/* Whether a light platform is pushed onto a stop, as the distance (scaled) from the stop to about where it would
  * come to rest without it: positive when pulled off. The forces it would feel at the stop depend on charges and
  * branches alone, which are smooth. */
 static enum dea_status find_push(struct dea_plant *plant, double t, const double *u, int sign, double *distance) {
@@ -60,7 +64,14 @@ static enum dea_status find_push(struct dea_plant *plant, double t, const double
     return status;
 }
 
-/* A massless platform's distance to a stop. Its position has a bend where it comes to the stop or leaves it, and hardly
+/* Without mass, or damped too much to swing. */
+static bool is_light(const struct dea_plant *plant) {
+    const struct dea_device *device = plant->device;
+    return device->stiffness > 0.0 &&
+           (plant->v == ABSENT || device->damping >= 2.0 * sqrt(device->stiffness * device->effective_mass));
+}
+
+/* A light platform's distance to a stop. Its position has a bend where it comes to the stop or leaves it, and hardly
  * changes while it rests there: where an interpolation finds it off the stop the forces may put it back, again and
  * again. So a platform on the stop leaves it when the push changes sign, and one without damping comes to it then, too.
  */
@@ -68,10 +79,17 @@ static enum dea_status light_reserve(struct dea_plant *plant, double t, const do
     int sign = plant->roots[index].sign;
     double push, gap = distance_to_stop(plant, sign, u[plant->x] * plant->scale[plant->x]);
     DEA_TRY(find_push(plant, t, u, sign, &push));
+    double hysteresis = fmax(LIGHT_HYSTERESIS * plant->rtol, HYSTERESIS);
+    bool thrown = plant->v != ABSENT && sign * u[plant->v] > 0.0; /* onto the stop, whatever the forces do */
+    /* deeper than the push takes it: by momentum */
+    double rest = fmax(-push, 0.0) * plant->device->stiffness / plant->device->stop_stiffness;
+    bool deep = thrown || (plant->v != ABSENT && -gap > 2.0 * rest + DEEP * hysteresis);
     if (plant->motion == MOTION_ALGEBRAIC)
         *value = push;
+    else if (plant->violated[index])
+        *value = deep ? gap : fmax(push, gap - hysteresis);
     else
-        *value = fmax(push, plant->violated[index] ? gap - fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : gap);
+        *value = thrown ? gap : fmax(push, gap);
     return DEA_OK;
 }
 
@@ -117,20 +135,20 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context) {
     struct dea_plant *plant = context;
     const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
-    double velocity = plant_velocity(plant, u, up), light[MAX_EVENTS];
+    double velocity = plant_velocity(plant, u, up), reserves[MAX_EVENTS];
     plant->rates_now = up;
-    bool massless = plant->v == ABSENT && plant->device->stiffness > 0.0;
-    for (int i = 0; massless && i < plant->event_count; i++)
-        if (plant->roots[i].kind == DEA_EVENT_STOP && light_reserve(plant, t, u, i, &light[i]) != DEA_OK)
+    bool light = is_light(plant);
+    for (int i = 0; light && i < plant->event_count; i++)
+        if (plant->roots[i].kind == DEA_EVENT_STOP && light_reserve(plant, t, u, i, &reserves[i]) != DEA_OK)
             return 1;
     if (plant_evaluate(plant, t, u, velocity, false) != DEA_OK)
         return 1;
     plant_remember(plant, t, u, velocity, false);
     for (int i = 0; i < plant->event_count; i++) {
         bool stop = plant->roots[i].kind == DEA_EVENT_STOP;
-        double value = stop && massless ? light[i] : reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
+        double value = stop && light ? reserves[i] : reserve(plant, i, u[plant->x] * plant->scale[plant->x]);
         if (plant->violated[i])
-            value -= stop && !massless ? fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : HYSTERESIS;
+            value -= stop && !light ? fmax(STOP_HYSTERESIS * plant->rtol, HYSTERESIS) : HYSTERESIS;
         values[i] = value != 0.0 ? value : DBL_MIN; /* IDA cannot leave a function that stays at 0 */
     }
     plant_limit_roots(plant, t, up, values + plant->event_count);
