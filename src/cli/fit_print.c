@@ -3,11 +3,10 @@
 
 #include "deasim/quantity.h"
 
-#include <cJSON.h>
+#include "cli/json.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- text ---- */
@@ -86,12 +85,6 @@ void fit_print(const struct fit_answer *answer) {
 
 /* ---- JSON ---- */
 
-static bool add_number(cJSON *object, const char *key, double value) {
-    char text[32];
-    snprintf(text, sizeof text, "%.17g", value);
-    return cJSON_AddRawToObject(object, key, isfinite(value) ? text : "null") != NULL;
-}
-
 static bool fill_json(cJSON *root, const struct fit_answer *answer) {
     const struct dea_fit *fit = &answer->fit;
     const char *model = !answer->branches                           ? dea_law_name(answer->law.kind)
@@ -103,21 +96,17 @@ static bool fill_json(cJSON *root, const struct fit_answer *answer) {
     for (int i = 0; i < fit->count && good; i++) {
         const struct dea_fit_parameter *p = &fit->parameters[i];
         cJSON *object = cJSON_AddObjectToObject(parameters, p->name);
-        good = object != NULL && add_number(object, "value", p->value) && add_number(object, "low", p->low) &&
-               add_number(object, "high", p->high) && cJSON_AddStringToObject(object, "unit", p->si_unit) != NULL &&
+        good = object != NULL && cli_json_number(object, "value", p->value) && cli_json_number(object, "low", p->low) &&
+               cli_json_number(object, "high", p->high) &&
+               cJSON_AddStringToObject(object, "unit", p->si_unit) != NULL &&
                cJSON_AddBoolToObject(object, "determined", p->determined) != NULL;
     }
-    return good && add_number(root, "points", (double)fit->points) && add_number(root, "residual", fit->residual) &&
-           add_number(root, "r_squared", fit->r_squared) && add_number(root, "aicc", fit->aicc);
+    return good && cli_json_number(root, "points", (double)fit->points) &&
+           cli_json_number(root, "residual", fit->residual) && cli_json_number(root, "r_squared", fit->r_squared) &&
+           cli_json_number(root, "aicc", fit->aicc);
 }
 
 enum dea_status fit_print_json(const struct fit_answer *answer, struct dea_error *error) {
     cJSON *root = cJSON_CreateObject();
-    char *text = root != NULL && fill_json(root, answer) ? cJSON_PrintUnformatted(root) : NULL;
-    cJSON_Delete(root);
-    if (text == NULL)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the JSON");
-    puts(text);
-    free(text);
-    return DEA_OK;
+    return cli_json_print(root, root != NULL && fill_json(root, answer), error);
 }

@@ -1,11 +1,10 @@
 /* Text and JSON of `deasim optimum`. */
 #include "cli/optimum_print.h"
 
-#include <cJSON.h>
+#include "cli/json.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 static const char *const method_names[] = {
     [DEA_OPTIMUM_GIVEN] = "given",
@@ -119,41 +118,26 @@ void optimum_print_sweep(const struct dea_optimum_task *task, const struct optim
 
 /* ---- JSON ---- */
 
-static bool add_number(cJSON *object, const char *key, double value) {
-    char text[32];
-    snprintf(text, sizeof text, "%.17g", value);
-    return cJSON_AddRawToObject(object, key, isfinite(value) ? text : "null") != NULL;
-}
-
 static bool fill_optimum(cJSON *object, const struct dea_optimum *optimum) {
     const struct dea_design_end *end = &optimum->end;
     bool good = cJSON_AddStringToObject(object, "method", method_names[optimum->method]) != NULL &&
-                add_number(object, "stroke", optimum->stroke);
+                cli_json_number(object, "stroke", optimum->stroke);
     cJSON *design = cJSON_AddObjectToObject(object, "design");
     for (int key = 0; key < DEA_KEY_COUNT && good; key++)
-        good = design != NULL && add_number(design, dea_design_keys[key].name,
-                                            dea_design_get(&optimum->design, (enum dea_design_key)key));
+        good = design != NULL && cli_json_number(design, dea_design_keys[key].name,
+                                                 dea_design_get(&optimum->design, (enum dea_design_key)key));
     cJSON *reached = cJSON_AddObjectToObject(object, "end");
     good = good && reached != NULL && cJSON_AddStringToObject(reached, "mode", dea_limit_names[end->mode]) != NULL &&
-           add_number(reached, "displacement", end->displacement) && add_number(reached, "stretch", end->stretch) &&
-           add_number(reached, "voltage", end->voltage) && add_number(reached, "true_field", end->true_field) &&
-           add_number(reached, "stress1", end->stress1) && add_number(reached, "stress2", end->stress2) &&
-           add_number(reached, "passive_stress1", end->passive_stress1);
+           cli_json_number(reached, "displacement", end->displacement) &&
+           cli_json_number(reached, "stretch", end->stretch) && cli_json_number(reached, "voltage", end->voltage) &&
+           cli_json_number(reached, "true_field", end->true_field) &&
+           cli_json_number(reached, "stress1", end->stress1) && cli_json_number(reached, "stress2", end->stress2) &&
+           cli_json_number(reached, "passive_stress1", end->passive_stress1);
     cJSON *slack = cJSON_AddObjectToObject(object, "slack");
     return good && slack != NULL &&
            cJSON_AddStringToObject(slack, "mode", dea_limit_names[optimum->slack_mode]) != NULL &&
-           add_number(slack, "voltage", optimum->slack_voltage) &&
-           add_number(slack, "true_field", optimum->slack_field);
-}
-
-static enum dea_status print_and_delete(cJSON *root, bool good, struct dea_error *error) {
-    char *text = good ? cJSON_PrintUnformatted(root) : NULL;
-    cJSON_Delete(root);
-    if (text == NULL)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the JSON");
-    puts(text);
-    free(text);
-    return DEA_OK;
+           cli_json_number(slack, "voltage", optimum->slack_voltage) &&
+           cli_json_number(slack, "true_field", optimum->slack_field);
 }
 
 static bool add_optimum(cJSON *object, const char *key, const struct dea_optimum *optimum) {
@@ -163,20 +147,20 @@ static bool add_optimum(cJSON *object, const char *key, const struct dea_optimum
 
 static bool add_transient(cJSON *object, const char *key, const struct optimum_transient *transient) {
     cJSON *child = cJSON_AddObjectToObject(object, key);
-    return child != NULL && add_number(child, "rise", transient->rise) &&
-           add_number(child, "peak_ratio", transient->peak_ratio) &&
-           add_number(child, "peak_field", transient->peak_field) &&
-           add_number(child, "breakdown_ratio", transient->breakdown_ratio) &&
-           add_number(child, "least_tension", transient->least_tension) &&
-           add_number(child, "least_stress2", transient->least_stress2) &&
+    return child != NULL && cli_json_number(child, "rise", transient->rise) &&
+           cli_json_number(child, "peak_ratio", transient->peak_ratio) &&
+           cli_json_number(child, "peak_field", transient->peak_field) &&
+           cli_json_number(child, "breakdown_ratio", transient->breakdown_ratio) &&
+           cli_json_number(child, "least_tension", transient->least_tension) &&
+           cli_json_number(child, "least_stress2", transient->least_stress2) &&
            cJSON_AddStringToObject(child, "first_failure", transient->first_failure) != NULL &&
-           add_number(child, "first_time", transient->first_time) &&
-           add_number(child, "safe_voltage", transient->safe_voltage);
+           cli_json_number(child, "first_time", transient->first_time) &&
+           cli_json_number(child, "safe_voltage", transient->safe_voltage);
 }
 
 static bool add_dynamics(cJSON *root, const struct optimum_dynamics *dynamics) {
     cJSON *object = cJSON_AddObjectToObject(root, "dynamic");
-    return object != NULL && add_number(object, "period", dynamics->period) &&
+    return object != NULL && cli_json_number(object, "period", dynamics->period) &&
            add_transient(object, "step", &dynamics->step) && add_transient(object, "ramp", &dynamics->ramp);
 }
 
@@ -189,7 +173,7 @@ enum dea_status optimum_print_json(const struct dea_optimum *optimum, const stru
                add_optimum(root, "both_ways", &comparison->both_ways);
     if (dynamics != NULL)
         good = good && add_dynamics(root, dynamics);
-    return print_and_delete(root, good, error);
+    return cli_json_print(root, good, error);
 }
 
 enum dea_status optimum_print_sweep_json(const struct optimum_sweep *sweep, struct dea_error *error) {
@@ -200,5 +184,5 @@ enum dea_status optimum_print_sweep_json(const struct optimum_sweep *sweep, stru
         cJSON *point = cJSON_CreateObject();
         good = point != NULL && cJSON_AddItemToArray(points, point) && fill_optimum(point, &sweep->optima[i]);
     }
-    return print_and_delete(root, good, error);
+    return cli_json_print(root, good, error);
 }

@@ -1,11 +1,10 @@
 /* Table, CSV and JSON of `deasim static`. */
 #include "cli/static_print.h"
 
-#include <cJSON.h>
+#include "cli/json.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #define SI_TO_KV 1e-3
 #define SI_TO_MICRO 1e6
@@ -118,26 +117,21 @@ void static_print_csv(const struct static_answer *answer) {
 
 /* ---- JSON ---- */
 
-/* A number with all its digits; null when there is none. */
-static bool add_number(cJSON *object, const char *key, double value) {
-    char text[32];
-    snprintf(text, sizeof text, "%.17g", value);
-    return cJSON_AddRawToObject(object, key, isfinite(value) ? text : "null") != NULL;
-}
-
 static bool add_zone(cJSON *zones, int zone, const struct dea_static_zone *values) {
     cJSON *object = cJSON_AddObjectToObject(zones, dea_zone_names[zone]);
-    return object != NULL && add_number(object, "stretch", values->stretch) &&
-           add_number(object, "true_field", values->true_field) && add_number(object, "stress1", values->stress1) &&
-           add_number(object, "stress2", values->stress2) && add_number(object, "tension", values->tension) &&
-           add_number(object, "capacitance", values->capacitance);
+    return object != NULL && cli_json_number(object, "stretch", values->stretch) &&
+           cli_json_number(object, "true_field", values->true_field) &&
+           cli_json_number(object, "stress1", values->stress1) && cli_json_number(object, "stress2", values->stress2) &&
+           cli_json_number(object, "tension", values->tension) &&
+           cli_json_number(object, "capacitance", values->capacitance);
 }
 
 static bool add_row(cJSON *points, const struct dea_device *device, const struct static_row *row) {
     cJSON *object = cJSON_CreateObject();
     if (object == NULL || !cJSON_AddItemToArray(points, object))
         return false;
-    if (!add_number(object, "voltage", row->voltage) || !add_number(object, "x", row->solved ? row->point.x : NAN))
+    if (!cli_json_number(object, "voltage", row->voltage) ||
+        !cli_json_number(object, "x", row->solved ? row->point.x : NAN))
         return false;
     if (row->solved) {
         cJSON *zones = cJSON_AddObjectToObject(object, "zones");
@@ -163,17 +157,12 @@ static bool fill_json(cJSON *root, const struct static_answer *answer) {
     const struct dea_limit *limit = &answer->limit;
     cJSON *object = cJSON_AddObjectToObject(root, "limit");
     return object != NULL && cJSON_AddStringToObject(object, "mode", dea_limit_names[limit->mode]) != NULL &&
-           add_number(object, "voltage", limit->voltage) && add_number(object, "x", limit->x) &&
-           add_number(object, "stretch", limit->stretch) && add_number(object, "true_field", limit->true_field);
+           cli_json_number(object, "voltage", limit->voltage) && cli_json_number(object, "x", limit->x) &&
+           cli_json_number(object, "stretch", limit->stretch) &&
+           cli_json_number(object, "true_field", limit->true_field);
 }
 
 enum dea_status static_print_json(const struct static_answer *answer, struct dea_error *error) {
     cJSON *root = cJSON_CreateObject();
-    char *text = root != NULL && fill_json(root, answer) ? cJSON_PrintUnformatted(root) : NULL;
-    cJSON_Delete(root);
-    if (text == NULL)
-        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the JSON of %d points", answer->count);
-    puts(text);
-    free(text);
-    return DEA_OK;
+    return cli_json_print(root, root != NULL && fill_json(root, answer), error);
 }

@@ -7,12 +7,14 @@
 #include <errno.h>
 #include <ftw.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -70,6 +72,20 @@ static inline void write_whole(const char *path, const char *text) {
     assert_non_null(file);
     assert_int_equal(fputs(text, file) >= 0, 1);
     assert_int_equal(fclose(file), 0);
+}
+
+/* From now on no file grows beyond so many bytes, as on a full disk; returns the limit before. */
+static inline struct rlimit limit_files(rlim_t bytes) {
+    struct rlimit before;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    const struct rlimit tight = {bytes, before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    return before;
+}
+
+static inline void release_files(struct rlimit before) {
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 }
 
 static inline bool exists(const char *path) {

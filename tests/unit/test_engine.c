@@ -2,6 +2,7 @@
 #include "base/isolate.h"
 #include "circuit/engine.h"
 #include "loaded_text.h"
+#include "memory.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -579,15 +580,6 @@ static void test_code_models_work(void **state) {
     free(samples);
 }
 
-static long resident_kilobytes(void) {
-    long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
-    fclose(file);
-    return pages * (sysconf(_SC_PAGESIZE) / 1024);
-}
-
 /* Different circuits one after the other in one process; ngspice's results do not pile up. */
 static void test_repeated_runs(void **state) {
     (void)state;
@@ -610,12 +602,12 @@ static void test_repeated_runs(void **state) {
         assert_true(samples->count > 900 && samples->count < 1500);
         samples->messages[0] = '\0';
         if (i == 50)
-            after_warmup = resident_kilobytes();
+            after_warmup = resident_bytes() / 1024;
     }
     dea_engine_close(engine);
-    print_message("250 runs of 1000 points: %ld kB more\n", resident_kilobytes() - after_warmup);
+    print_message("250 runs of 1000 points: %ld kB more\n", resident_bytes() / 1024 - after_warmup);
 #ifndef __SANITIZE_ADDRESS__
-    assert_true(resident_kilobytes() - after_warmup < 4096); /* kept results alone would be 10 MB */
+    assert_true(resident_bytes() / 1024 - after_warmup < 4096); /* kept results alone would be 10 MB */
 #endif
     free(samples);
 }

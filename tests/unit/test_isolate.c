@@ -1,5 +1,6 @@
 /* A child process may crash, hang, exit or talk a lot; the parent always gets an answer. */
 #include "base/isolate.h"
+#include "memory.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -283,15 +284,6 @@ static void test_memory_limit(void **state) {
     assert_string_equal(error.text, "no memory left");
 }
 
-static long resident_kilobytes(void) {
-    long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
-    fclose(file);
-    return pages * (sysconf(_SC_PAGESIZE) / 1024);
-}
-
 static void test_thousand_runs_leave_nothing(void **state) {
     (void)state;
     struct dea_error error;
@@ -304,9 +296,9 @@ static void test_thousand_runs_leave_nothing(void **state) {
         tally.count = 0;
         assert_int_equal(dea_isolate_run(send_rows, &rows, NULL, count_rows, &tally, &error), DEA_OK);
         if (i == 100)
-            after_warmup = resident_kilobytes();
+            after_warmup = resident_bytes() / 1024;
     }
-    assert_true(resident_kilobytes() - after_warmup < 1024);
+    assert_true(resident_bytes() / 1024 - after_warmup < 1024);
     int now = dup(0);
     close(now);
     assert_int_equal(now, lowest);                    /* no descriptor left */

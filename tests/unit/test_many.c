@@ -3,6 +3,7 @@
 #include "coupled_capture.h"
 #include "coupled_cases.h"
 #include "deasim/run.h"
+#include "memory.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -73,15 +74,6 @@ static void test_alike_devices(void **state) {
 
 enum { SCENES = 200, SETTLED = 20, ROOM = 2 << 20 }; /* the latter: bytes */
 
-static long resident(void) {
-    long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
-    fclose(file);
-    return pages * sysconf(_SC_PAGESIZE);
-}
-
 static void write_netlist(int number, const char *part) {
     FILE *file = fopen("scene.cir", "w");
     assert_non_null(file);
@@ -139,9 +131,9 @@ static void test_scenes_in_a_row(void **state) {
     for (int number = 0; number < SCENES; number++) {
         run_one(number);
         if (number == SETTLED - 1)
-            settled = resident();
+            settled = resident_bytes();
     }
-    long grown = resident() - settled;
+    long grown = resident_bytes() - settled;
 #ifndef __SANITIZE_ADDRESS__ /* it keeps freed memory for a while; it finds leaks itself */
     if (grown > ROOM)
         fail_msg("%ld kB more after %d scenes than after %d", grown / 1024, SCENES, SETTLED);

@@ -2,9 +2,6 @@
 #include "deasim/new_file.h"
 #include "output_support.h"
 
-#include <signal.h>
-#include <sys/resource.h>
-
 static void write_new(const char *path, const char *text) {
     struct dea_new_file made;
     struct dea_error error;
@@ -125,19 +122,14 @@ static void full_disk_leaves_the_old_one(void **state) {
     make_scratch(folder);
     const char *path = path_in(folder, "f");
     write_new(path, "old");
-    signal(SIGXFSZ, SIG_IGN);
-    struct rlimit before, tight;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
-    tight = before;
-    tight.rlim_cur = 100;
     struct dea_new_file made;
     struct dea_error error;
     assert_int_equal(dea_new_file_open(path, &made, &error), DEA_OK);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    struct rlimit before = limit_files(100);
     for (int i = 0; i < 10000; i++)
         fputs("more than fits\n", made.file);
     enum dea_status status = dea_new_file_finish(&made, DEA_OK, &error);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    release_files(before);
     assert_int_equal(status, DEA_ERR_OUTPUT);
     snprintf(expected, sizeof expected, "%s: cannot be written: File too large", path);
     assert_string_equal(error.text, expected);

@@ -3,9 +3,7 @@
 
 #include <hdf5.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/mount.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 
 #define ALL_FORMATS (DEA_FORMAT_CSV | DEA_FORMAT_RAW | DEA_FORMAT_HDF5)
@@ -176,18 +174,13 @@ static const struct {
 
 static void size_limit_leaves_whole_rows(void **state) {
     (void)state;
-    signal(SIGXFSZ, SIG_IGN);
-    struct rlimit before, tight;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
-    tight = before;
-    tight.rlim_cur = 1000003; /* bytes, not a whole number of rows */
     for (size_t i = 0; i < 3; i++) {
         char folder[SCRATCH_LENGTH];
         make_scratch(folder);
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+        struct rlimit before = limit_files(1000003); /* not a whole number of rows */
         fill_until_refused(folder, formats[i].format, formats[i].name, "File too large", formats[i].count_rows,
                            1000000);
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+        release_files(before);
         remove_scratch(folder);
     }
 }
@@ -218,19 +211,14 @@ static void every_incomplete_file_is_listed(void **state) {
     (void)state;
     char folder[SCRATCH_LENGTH], expected[512];
     make_scratch(folder);
-    signal(SIGXFSZ, SIG_IGN);
-    struct rlimit before, tight;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     struct dea_recorder *recorder;
     struct dea_error error;
     assert_int_equal(open_recorder(folder, DEA_FORMAT_CSV | DEA_FORMAT_RAW, &recorder, &error), DEA_OK);
     for (int i = 0; i < 50; i++)
         assert_int_equal(dea_recorder_append(recorder, i, (double[]){1.0 / 3.0, -2.0 / 3.0}, &error), DEA_OK);
-    tight = before;
-    tight.rlim_cur = 512; /* bytes */
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    struct rlimit before = limit_files(512);
     enum dea_status status = dea_recorder_close(recorder, &error);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    release_files(before);
     assert_int_equal(status, DEA_ERR_OUTPUT);
     long csv = count_csv_rows(folder), raw = count_raw_rows(folder);
     snprintf(expected, sizeof expected,
@@ -247,20 +235,15 @@ static void failing_append_tells_of_all_files(void **state) {
     (void)state;
     char folder[SCRATCH_LENGTH], expected[512];
     make_scratch(folder);
-    signal(SIGXFSZ, SIG_IGN);
-    struct rlimit before, tight;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
-    tight = before;
-    tight.rlim_cur = 2000; /* bytes */
     struct dea_recorder *recorder;
     struct dea_error error, closing;
     assert_int_equal(open_recorder(folder, DEA_FORMAT_CSV | DEA_FORMAT_RAW, &recorder, &error), DEA_OK);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    struct rlimit before = limit_files(2000);
     enum dea_status status = DEA_OK;
     for (int i = 0; i < 100000 && status == DEA_OK; i++)
         status = dea_recorder_append(recorder, i, (double[]){1.0 / 3.0, -2.0 / 3.0}, &error);
     enum dea_status closed = dea_recorder_close(recorder, &closing);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    release_files(before);
     assert_int_equal(status, DEA_ERR_OUTPUT);
     assert_int_equal(closed, DEA_ERR_OUTPUT);
     snprintf(expected, sizeof expected,

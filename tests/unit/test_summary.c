@@ -2,8 +2,6 @@
 #include "summary_support.h"
 
 #include <cJSON.h>
-#include <signal.h>
-#include <sys/resource.h>
 
 static cJSON *summarise(const struct sample_run *run) {
     char *text = dea_summary_json(&run->scene, &run->result);
@@ -159,15 +157,10 @@ static void file_is_replaced_or_left_alone(void **state) {
     assert_false(exists(path_in(folder, "summary.json.part")));
 
     /* A disk that takes no more: the old file stays, nothing half-written beside it. */
-    signal(SIGXFSZ, SIG_IGN);
-    struct rlimit before, tight;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
-    tight = before;
-    tight.rlim_cur = 100;
     run.result.t_end = 0.5;
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    struct rlimit before = limit_files(100);
     enum dea_status status = dea_summary_write(folder, &run.scene, &run.result, &error);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    release_files(before);
     assert_int_equal(status, DEA_ERR_OUTPUT);
     snprintf(expected, sizeof expected, "%s/summary.json: cannot be written: File too large", folder);
     assert_string_equal(error.text, expected);
