@@ -430,3 +430,14 @@ void build_random_scene(struct test_scene *s, unsigned seed) {
         device->load = 0.05 * device->stiffness * device->zones[0].length;
     prepare_scene(s);
 }
+
+void read_tree_scene(const char *path_from_top, struct dea_scene *scene) {
+    char path[1024];
+    struct dea_error error;
+    *scene = (struct dea_scene){0};
+    snprintf(path, sizeof path, "%s/%s", SOURCE_ROOT, path_from_top);
+    if (dea_scene_read(path, NULL, 0, scene, &error) != DEA_OK) {
+        fprintf(stderr, "%s\n", error.text);
+        abort();
+    }
+}

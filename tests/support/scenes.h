@@ -45,6 +45,9 @@ extern const char *const test_scene_names[SCENE_COUNT];
 void build_design_c(struct test_scene *s);
 void build_scene(struct test_scene *s, enum test_scene_name name);
 
+/* Reads a scene of the tree, "tests/cases/x.yaml"; aborts when it is no good. The caller clears it. */
+void read_tree_scene(const char *path_from_top, struct dea_scene *scene);
+
 /* A random scene; the same seed gives the same one. Prepared; may be beyond what the device can hold. */
 void build_random_scene(struct test_scene *s, unsigned seed);
 

@@ -3,6 +3,7 @@
 #include "capture.h"
 #include "coupled_capture.h"
 #include "coupled_cases.h"
+#include "scenes.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -210,10 +211,8 @@ static void test_breakdown_stops(void **state) {
 /* The books of a film that breaks down between two points of the circuit, slack and its capacitance on the rise. */
 static void test_breakdown_of_slack_film(void **state) {
     (void)state;
-    struct dea_scene scene = {0};
-    struct dea_error error;
-    if (dea_scene_read(SOURCE_ROOT "/tests/cases/breakdown_of_slack_film.yaml", NULL, 0, &scene, &error) != DEA_OK)
-        fail_msg("%s", error.text);
+    struct dea_scene scene;
+    read_tree_scene("tests/cases/breakdown_of_slack_film.yaml", &scene);
     struct capture run;
     capture_run(&scene, 1e-3, 500, &run);
     assert_int_equal(run.status, DEA_STOPPED);

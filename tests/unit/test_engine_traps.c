@@ -16,8 +16,7 @@
 
 #include <cmocka.h>
 
-#define C_REST 80.5e-12 /* F */
-#define MAX_STEP 1e-4   /* s */
+#define MAX_STEP 1e-4 /* s */
 #define FLOOR (1e-10 * MAX_STEP)
 
 /* A run, what it asks for and what it sees. */
@@ -27,14 +26,6 @@ struct watch {
     long steps, points;
     double largest_step, last_time; /* s */
 };
-
-static double give(void *context, int instance, int port, enum dea_external which, double t) {
-    (void)context;
-    (void)instance;
-    (void)port;
-    (void)t;
-    return which == DEA_EXTERNAL_CAPACITANCE ? C_REST : 0.0;
-}
 
 static void limit(void *context, double t, double *delta) {
     struct watch *watch = context;
@@ -61,10 +52,9 @@ static struct dea_deck_options usual_options(void) {
 static enum dea_status run_on(struct dea_engine *engine, const char *text, const struct dea_deck_options *options,
                               struct watch *watch, struct dea_engine_stats *stats, struct dea_error *error) {
     const struct dea_engine_callbacks callbacks = {
-        .context = watch, .port_value = give, .before_step = limit, .accepted = take};
-    const struct dea_port port = {.rest_capacitance = C_REST, .conductivity_field = INFINITY};
+        .context = watch, .port_value = give_still, .before_step = limit, .accepted = take};
     struct loaded_text loaded;
-    enum dea_status status = load_text(engine, text, &port, options, &callbacks, &loaded, error);
+    enum dea_status status = load_text(engine, text, &still_port, options, &callbacks, &loaded, error);
     if (status == DEA_OK)
         status = dea_engine_run(engine, error);
     dea_engine_stats(engine, stats);

@@ -22,11 +22,9 @@ struct visits {
 
 static struct visits visit_stops(const char *name, double accuracy) {
     char path[512];
-    struct dea_scene scene = {0};
-    struct dea_error error;
-    snprintf(path, sizeof path, "%s/tests/cases/%s.yaml", SOURCE_ROOT, name);
-    if (dea_scene_read(path, NULL, 0, &scene, &error) != DEA_OK)
-        fail_msg("%s", error.text);
+    struct dea_scene scene;
+    snprintf(path, sizeof path, "tests/cases/%s.yaml", name);
+    read_tree_scene(path, &scene);
     struct capture run;
     capture_run(&scene, accuracy, SAMPLES, &run);
     assert_int_equal(run.status, DEA_OK);

@@ -33,11 +33,9 @@ static double measure(const struct dea_scene *scene, double accuracy) {
 
 static double measure_case(const char *name, double accuracy) {
     char path[512];
-    struct dea_scene scene = {0};
-    struct dea_error error;
-    snprintf(path, sizeof path, "%s/tests/cases/%s.yaml", SOURCE_ROOT, name);
-    if (dea_scene_read(path, NULL, 0, &scene, &error) != DEA_OK)
-        fail_msg("%s", error.text);
+    struct dea_scene scene;
+    snprintf(path, sizeof path, "tests/cases/%s.yaml", name);
+    read_tree_scene(path, &scene);
     double sensitivity = measure(&scene, accuracy);
     dea_scene_clear(&scene);
     return sensitivity;

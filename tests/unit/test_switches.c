@@ -14,8 +14,7 @@
 
 #include <cmocka.h>
 
-#define C_REST 80.5e-12 /* F */
-#define TAU (1e6 * C_REST)
+#define TAU (1e6 * STILL_CAPACITANCE)
 
 struct course {
     double held;       /* V, at the end */
@@ -23,14 +22,6 @@ struct course {
     double last, time; /* V, s */
     long points;
 };
-
-static double give(void *context, int instance, int port, enum dea_external which, double t) {
-    (void)context;
-    (void)instance;
-    (void)port;
-    (void)t;
-    return which == DEA_EXTERNAL_CAPACITANCE ? C_REST : 0.0;
-}
 
 static enum dea_status keep(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct course *course = context;
@@ -46,15 +37,14 @@ static enum dea_status keep(void *context, const struct dea_circuit_point *point
 
 /* Runs a netlist for 0.6 ms with the tolerances of a relative accuracy of 1e-3. */
 static void run(const char *text, struct course *course) {
-    const struct dea_port port = {.rest_capacitance = C_REST, .conductivity_field = INFINITY};
     struct dea_deck_options options = {.stop = 0.6e-3, .step = 1e-6, .reltol = 3e-4, .trtol = 0.011};
-    const struct dea_engine_callbacks callbacks = {.context = course, .port_value = give, .accepted = keep};
+    const struct dea_engine_callbacks callbacks = {.context = course, .port_value = give_still, .accepted = keep};
     struct loaded_text loaded;
     struct dea_engine *engine;
     struct dea_error error = {.text = ""};
     *course = (struct course){.last = 0.0};
     if (dea_engine_open(&engine, &error) != DEA_OK ||
-        load_text(engine, text, &port, &options, &callbacks, &loaded, &error) != DEA_OK ||
+        load_text(engine, text, &still_port, &options, &callbacks, &loaded, &error) != DEA_OK ||
         dea_engine_run(engine, &error) != DEA_OK)
         fail_msg("%s", error.text);
     dea_engine_close(engine);

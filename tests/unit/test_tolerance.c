@@ -54,12 +54,8 @@ static void test_scenes_keep_promise(void **context) {
                                          "tests/cases/slack_near_ideal_source.yaml",
                                          "tests/cases/ringing_choke.yaml"};
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
-        char path[512];
-        struct dea_scene scene = {0};
-        struct dea_error error;
-        snprintf(path, sizeof path, "%s/%s", SOURCE_ROOT, scenes[i]);
-        if (dea_scene_read(path, NULL, 0, &scene, &error) != DEA_OK)
-            fail_msg("%s", error.text);
+        struct dea_scene scene;
+        read_tree_scene(scenes[i], &scene);
         struct capture reference;
         capture_run(&scene, 1e-8, SAMPLES, &reference);
         assert_true(reference.status >= 0);
@@ -113,10 +109,8 @@ static void test_cost(void **context) {
 /* A choke that could ring but does not: its small current, judged by itself, took five times the steps. */
 static void test_cost_of_quiet_choke(void **context) {
     (void)context;
-    struct dea_scene scene = {0};
-    struct dea_error error;
-    if (dea_scene_read(SOURCE_ROOT "/tests/cases/quiet_choke.yaml", NULL, 0, &scene, &error) != DEA_OK)
-        fail_msg("%s", error.text);
+    struct dea_scene scene;
+    read_tree_scene("tests/cases/quiet_choke.yaml", &scene);
     struct capture run;
     capture_run(&scene, 1e-3, SAMPLES, &run);
     assert_int_equal(run.status, DEA_OK);
