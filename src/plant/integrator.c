@@ -238,8 +238,18 @@ static const char *explain(int flag) {
     }
 }
 
+/* Films that are all slack leave a platform without mass and damping anywhere. Uses the last evaluation. */
+static bool nothing_holds(const struct dea_plant *plant) {
+    bool slack = plant->motion == MOTION_ALGEBRAIC;
+    for (int k = 0; k < DEA_ZONES; k++)
+        slack = slack && (!plant->zones[k].present || plant->points[k].film.slack);
+    return slack;
+}
+
 static enum dea_status report_failure(const struct dea_plant *plant, const char *why, int flag,
                                       struct dea_error *error) {
+    if (nothing_holds(plant))
+        why = "slack films hold a platform without mass and damping nowhere: give it platform.damping";
     char steps[512] = "";
     int used = 0, kept = (int)(sizeof plant->trail / sizeof plant->trail[0]);
     long first = plant->trail_length > kept ? plant->trail_length - kept : 0;

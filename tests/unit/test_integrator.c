@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <string.h>
 
 #include "capture.h"
 #include "scenes.h"
@@ -165,11 +166,37 @@ static void test_many_cycles(void **context) {
     capture_free(&fine);
 }
 
+/* One film slack by its voltage, the other one with it: nothing says where a platform without mass and damping is, and
+ * the reason says that. */
+static void test_nothing_holds_the_platform(void **context) {
+    (void)context;
+    static struct test_scene s;
+    build_design_c(&s);
+    s.device.device.platform_mass = 0.0;
+    s.device.device.membrane_mass = false;
+    s.device.device.prestretch[0] = 0.9577;
+    s.device.device.prestretch[1] = 1.147;
+    drive_zone(&s, 0, dc_wave(2500.0), 1e5);
+    prepare_scene(&s);
+    s.scene.stop = 1e-3;
+    struct capture run;
+    capture_run(&s.scene, 1e-3, 200, &run);
+    assert_int_equal(run.status, DEA_ERR_SOLVER);
+    if (strstr(run.error.text, "slack films hold a platform without mass and damping nowhere: give it "
+                               "platform.damping") == NULL)
+        fail_msg("%s", run.error.text);
+    capture_free(&run);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_resonances),        cmocka_unit_test(test_overshoot),
-        cmocka_unit_test(test_loss_is_loop_area), cmocka_unit_test(test_creep),
-        cmocka_unit_test(test_branch_growth),     cmocka_unit_test(test_many_cycles),
+        cmocka_unit_test(test_nothing_holds_the_platform),
+        cmocka_unit_test(test_resonances),
+        cmocka_unit_test(test_overshoot),
+        cmocka_unit_test(test_loss_is_loop_area),
+        cmocka_unit_test(test_creep),
+        cmocka_unit_test(test_branch_growth),
+        cmocka_unit_test(test_many_cycles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
