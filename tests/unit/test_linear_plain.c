@@ -48,6 +48,17 @@ static void test_plain(void **state) {
     }
 }
 
+static void test_parameters_are_put_in(void **state) {
+    (void)state;
+    struct dea_listing listing;
+    assert_true(list("R1 left right {2*1k}", &listing));
+    assert_string_equal(listing.lines[2], "R1 left right 2000");
+    dea_listing_clear(&listing);
+    assert_true(list(".param ra=1k", &listing)); /* and not listed */
+    assert_int_equal(listing.count, 2);
+    dea_listing_clear(&listing);
+}
+
 static void test_measures_are_not_listed(void **state) {
     (void)state;
     struct dea_listing listing;
@@ -58,14 +69,14 @@ static void test_measures_are_not_listed(void **state) {
 
 static void test_in_doubt(void **state) {
     (void)state;
-    static const char *const lines[] = {"R1 left right {ra}",   "R1 left right r='1k*2'",
+    static const char *const lines[] = {"R1 left right {ra}",   "R1 left right r='1k**2'",
                                         "R1 left right \"1k\"", "R1 left right 2*3",
                                         "R1 = left right 1k",   "V2 right 0 = PULSE(0 1 1m)",
                                         "V2 right 0 DC=1",      "V2 ac right 0 5",
                                         "v1 right 0 5", /* a second one */
                                         "R1.a left right 1k",   "D1 left 0 DX",
                                         "B1 left 0 v=1",        "Xarm left 0 arm",
-                                        ".param ra=1k",         ".subckt arm a b",
+                                        ".param ra={rb}",       ".subckt arm a b",
                                         ".model DX D",          ".temp 77",
                                         ".global left",         ".ic v(left)={x}"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
@@ -77,7 +88,7 @@ static void test_in_doubt(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_plain), cmocka_unit_test(test_measures_are_not_listed),
-                                       cmocka_unit_test(test_in_doubt)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_plain), cmocka_unit_test(test_parameters_are_put_in),
+                                       cmocka_unit_test(test_measures_are_not_listed), cmocka_unit_test(test_in_doubt)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,11 @@
-/* Expressions of a circuit's unknowns in .measure lines. */
-#include "circuit/measures_internal.h"
+/* Expressions of parameters, or of a circuit's unknowns in .measure lines. */
+#include "circuit/expression.h"
+
+#include "circuit/netlist.h"
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define NAME_MAX_LENGTH 255
@@ -12,6 +15,7 @@ struct parser {
     struct expression *expression;
     const struct row_names *names;
     const char *at;
+    bool parameters; /* names are those of parameters */
     int depth;
 };
 
@@ -36,6 +40,13 @@ static bool take(struct parser *parser, char wanted) {
     return true;
 }
 
+static bool put_named(struct parser *parser, const char *name) {
+    for (int i = 0; i < parser->names->count; i++)
+        if (strcmp(parser->names->names[i], name) == 0)
+            return put(parser->expression, PUT_VALUE, i, 0.0);
+    return false;
+}
+
 /* v(node) or i(source). Ground and differences of two nodes are not, as for ngspice. */
 static bool read_value(struct parser *parser) {
     char kind = *parser->at++, name[NAME_MAX_LENGTH + sizeof "#branch"];
@@ -47,11 +58,27 @@ static bool read_value(struct parser *parser) {
         return false;
     snprintf(name, sizeof name, "%.*s%s", (int)length, parser->at, kind == 'i' ? "#branch" : "");
     parser->at += length;
-    if (!take(parser, ')') || strcmp(name, "0") == 0)
+    return take(parser, ')') && strcmp(name, "0") != 0 && put_named(parser, name);
+}
+
+static bool read_parameter(struct parser *parser) {
+    char name[NAME_MAX_LENGTH + 1];
+    size_t length = strspn(parser->at, "abcdefghijklmnopqrstuvwxyz0123456789_");
+    if (length > NAME_MAX_LENGTH)
         return false;
-    for (int i = 0; i < parser->names->count; i++)
-        if (strcmp(parser->names->names[i], name) == 0)
-            return put(parser->expression, PUT_VALUE, i, 0.0);
+    snprintf(name, sizeof name, "%.*s", (int)length, parser->at);
+    parser->at += length;
+    return put_named(parser, name);
+}
+
+/* Units and other letters behind a suffix are not read alike everywhere in ngspice. */
+static bool ends_plainly(const char *number) {
+    static const char *const suffixes[] = {"", "t", "g", "meg", "k", "m", "u", "n", "p", "f"};
+    char *end;
+    strtod(number, &end);
+    for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++)
+        if (strcmp(end, suffixes[i]) == 0)
+            return true;
     return false;
 }
 
@@ -65,7 +92,7 @@ static bool read_number(struct parser *parser) {
         length++;
     double number;
     snprintf(text, sizeof text, "%.*s", (int)length, c);
-    if (length >= sizeof text || !dea_spice_number(text, &number))
+    if (length >= sizeof text || !dea_spice_number(text, &number) || !ends_plainly(text))
         return false;
     parser->at += length;
     return put(parser->expression, PUT_NUMBER, 0, number);
@@ -84,6 +111,8 @@ static bool read_factor(struct parser *parser) {
         good = read_factor(parser) && put(parser->expression, NEGATE, 0, 0.0);
     else if (take(parser, '('))
         good = read_sum(parser) && take(parser, ')');
+    else if (parser->parameters && isalpha((unsigned char)*parser->at))
+        good = read_parameter(parser);
     else if ((*parser->at == 'v' || *parser->at == 'i') && !isalnum((unsigned char)parser->at[1]))
         good = read_value(parser);
     else
@@ -116,13 +145,22 @@ static bool read_sum(struct parser *parser) {
     }
 }
 
-bool expression_read(struct expression *expression, const char *text, const struct row_names *names) {
-    struct parser parser = {.expression = expression, .names = names, .at = text};
+static bool read_whole(struct expression *expression, const char *text, const struct row_names *names,
+                       bool parameters) {
+    struct parser parser = {.expression = expression, .names = names, .at = text, .parameters = parameters};
     expression->count = 0;
     if (!read_sum(&parser))
         return false;
     skip_blanks(&parser);
     return *parser.at == '\0';
+}
+
+bool expression_read(struct expression *expression, const char *text, const struct row_names *names) {
+    return read_whole(expression, text, names, false);
+}
+
+bool expression_read_parameters(struct expression *expression, const char *text, const struct row_names *names) {
+    return read_whole(expression, text, names, true);
 }
 
 bool expression_read_signal(struct expression *expression, const char *text, const struct row_names *names) {
