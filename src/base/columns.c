@@ -107,6 +107,9 @@ static enum dea_status parse_column(const struct reader *reader, char *cell, con
     cell[length - 1] = '\0';
     *bracket = '\0';
     *name = trim(cell);
+    if (wish->named && strcasecmp(*name, wish->word) != 0)
+        return dea_fail(error, DEA_ERR_INPUT, "%s:%ld: the %s column is '%.60s'; it must be \"%s [unit]\"",
+                        reader->path, reader->line, wish == reader->wishes ? "first" : "second", *name, wish->word);
 
     /* An empty unit would leave a bare 1, which is SI already. */
     char one_unit[LINE_LENGTH_MAX + 3];
@@ -149,10 +152,6 @@ static enum dea_status read_header(struct reader *reader, struct dea_columns *co
                              &reader->scales[k], error));
     for (int k = 0; k < 2; k++)
         snprintf(columns->names[k], sizeof columns->names[k], "%s", names[k]);
-    for (int k = 0; k < 2; k++)
-        if (reader->wishes[k].named && strcasecmp(names[k], reader->wishes[k].word) != 0)
-            return dea_fail(error, DEA_ERR_INPUT, "%s:%ld: the %s column is '%.60s'; it must be \"%s [unit]\"",
-                            reader->path, reader->line, k == 0 ? "first" : "second", names[k], reader->wishes[k].word);
     return DEA_OK;
 }
 

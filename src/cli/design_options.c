@@ -4,6 +4,7 @@
 #include "deasim/quantity.h"
 #include "deasim/scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,6 +16,49 @@ enum dea_status cli_find_design_key(const char *option, const char *name, enum d
                         "%s: unknown parameter \"%s\"; r_a, lp1, lp2, E_bd, Jm, mu, eps_r and t0 are allowed", option,
                         name);
     return DEA_OK;
+}
+
+enum dea_status cli_check_design_value(const char *option, enum dea_design_key key, double value,
+                                       struct dea_error *error) {
+    /* those of device and material files */
+    static const struct {
+        double least, most;
+    } ranges[DEA_KEY_COUNT] = {
+        [DEA_KEY_ACTIVE_RATIO] = {0.0, INFINITY},
+        [DEA_KEY_PRESTRETCH1] = {0.05, 20.0},
+        [DEA_KEY_PRESTRETCH2] = {0.05, 20.0},
+        [DEA_KEY_BREAKDOWN] = {1e5, 1e11},
+        [DEA_KEY_JM] = {1e-3, 1e9},
+        [DEA_KEY_MODULUS] = {100.0, 1e9},
+        [DEA_KEY_PERMITTIVITY] = {0.1, 1e5},
+        [DEA_KEY_THICKNESS] = {1e-8, 1e-2},
+    };
+    if (!(value > 0.0) || (value >= ranges[key].least && value <= ranges[key].most))
+        return DEA_OK;
+    const struct dea_design_key_info *info = &dea_design_keys[key];
+    return dea_fail(error, DEA_ERR_INPUT, "%s %s: %g%s%s is outside %g .. %g; is the unit right?", option, info->name,
+                    value * info->factor, info->unit[0] != '\0' ? " " : "", info->unit,
+                    ranges[key].least * info->factor, ranges[key].most * info->factor);
+}
+
+enum dea_status cli_parse_design_range(const char *option, enum dea_design_key key, const char *text,
+                                       struct dea_range *range, struct dea_error *error) {
+    char label[64];
+    snprintf(label, sizeof label, "%s %s", option, dea_design_keys[key].name);
+    DEA_TRY(dea_range_parse(label, text, dea_design_keys[key].si_unit, range, error));
+    DEA_TRY(cli_check_design_value(option, key, range->first, error));
+    return cli_check_design_value(option, key, range->last, error);
+}
+
+enum dea_status cli_parse_design_span(const char *option, enum dea_design_key key, const char *text,
+                                      struct dea_range *range, struct dea_error *error) {
+    char counted[200];
+    const char *colon = strchr(text, ':');
+    if (colon == NULL || strchr(colon + 1, ':') != NULL || strlen(text) + 3 > sizeof counted)
+        return dea_fail(error, DEA_ERR_INPUT, "%s %s=%s: write %s=FIRST:LAST", option, dea_design_keys[key].name, text,
+                        dea_design_keys[key].name);
+    snprintf(counted, sizeof counted, "%s:2", text);
+    return cli_parse_design_range(option, key, counted, range, error);
 }
 
 static enum dea_status parse_set(const char *text, struct cli_design_options *options, struct dea_error *error) {
@@ -31,6 +75,7 @@ static enum dea_status parse_set(const char *text, struct cli_design_options *op
     DEA_TRY(cli_find_design_key("--set", name, &key, error));
     if (dea_quantity_parse(equals + 1, dea_design_keys[key].si_unit, &value, &inner) != DEA_OK)
         return dea_fail(error, DEA_ERR_INPUT, "--set %s: %s", name, inner.text);
+    DEA_TRY(cli_check_design_value("--set", key, value, error));
     options->sets[options->set_count].key = key;
     options->sets[options->set_count++].value = value;
     return DEA_OK;

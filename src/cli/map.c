@@ -53,18 +53,14 @@ struct map_options {
 static enum dea_status parse_axis(const char *option, const char *text, struct dea_map_axis *axis,
                                   struct dea_error *error) {
     const char *equals = text != NULL ? strchr(text, '=') : NULL;
-    char name[32], label[64], range_text[200];
+    char name[32];
     if (equals == NULL || (size_t)(equals - text) >= sizeof name)
         return dea_fail(error, DEA_ERR_INPUT, "give %s PARAMETER=FIRST:LAST, for example %s lp1=0.7:1.8", option,
                         option);
     snprintf(name, sizeof name, "%.*s", (int)(equals - text), text);
     DEA_TRY(cli_find_design_key(option, name, &axis->key, error));
-    if (strchr(equals, ':') == NULL || strchr(equals, ':') != strrchr(equals, ':'))
-        return dea_fail(error, DEA_ERR_INPUT, "%s %s: write %s=FIRST:LAST", option, text, name);
     struct dea_range range;
-    snprintf(range_text, sizeof range_text, "%s:2", equals + 1); /* the number of points comes from -n */
-    snprintf(label, sizeof label, "%s %s", option, name);
-    DEA_TRY(dea_range_parse(label, range_text, dea_design_keys[axis->key].si_unit, &range, error));
+    DEA_TRY(cli_parse_design_span(option, axis->key, equals + 1, &range, error));
     if (!(range.last > range.first))
         return dea_fail(error, DEA_ERR_INPUT, "%s %s: the range must grow", option, text);
     axis->first = range.first;

@@ -67,13 +67,8 @@ static enum dea_status free_key(char *entry, struct dea_optimum_task *task, stru
     task->keys[key].free = true;
     if (equals == NULL)
         return DEA_OK;
-    char text[200], label[64];
     struct dea_range range;
-    if (strchr(equals + 1, ':') == NULL || strchr(equals + 1, ':') != strrchr(equals + 1, ':'))
-        return dea_fail(error, DEA_ERR_INPUT, "--free %s=%s: write %s=FIRST:LAST", entry, equals + 1, entry);
-    snprintf(text, sizeof text, "%s:2", equals + 1);
-    snprintf(label, sizeof label, "--free %s", entry);
-    DEA_TRY(dea_range_parse(label, text, dea_design_keys[key].si_unit, &range, error));
+    DEA_TRY(cli_parse_design_span("--free", key, equals + 1, &range, error));
     task->keys[key].ranged = true;
     task->keys[key].low = range.first;
     task->keys[key].high = range.last;
@@ -178,9 +173,7 @@ static enum dea_status answer_over(const struct optimum_options *options, struct
     DEA_TRY(cli_find_design_key("--over", name, &sweep.key, error));
     if (options->task.keys[sweep.key].free)
         return dea_fail(error, DEA_ERR_INPUT, "--over %s: it cannot be free as well", name);
-    char label[64];
-    snprintf(label, sizeof label, "--over %s", name);
-    DEA_TRY(dea_range_parse(label, equals + 1, dea_design_keys[sweep.key].si_unit, &sweep.range, error));
+    DEA_TRY(cli_parse_design_range("--over", sweep.key, equals + 1, &sweep.range, error));
     sweep.optima = calloc((size_t)sweep.range.count, sizeof *sweep.optima);
     if (sweep.optima == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d designs", sweep.range.count);

@@ -44,7 +44,8 @@ static const char *text_of(const cJSON *object, const char *key) {
 static void read_limits(const cJSON *summary, struct dea_caption *caption) {
     const cJSON *limit;
     cJSON_ArrayForEach(limit, cJSON_GetObjectItemCaseSensitive(summary, "limits")) {
-        if (caption->limit_count == DEA_PANEL_CURVES || limit->string == NULL || !cJSON_IsNumber(limit))
+        if (caption->limit_count == DEA_PANEL_CURVES || limit->string == NULL || !cJSON_IsNumber(limit) ||
+            !isfinite(limit->valuedouble))
             continue;
         int k = caption->limit_count++;
         dea_header_text(limit->string, caption->limits[k].signal, sizeof caption->limits[k].signal);
@@ -57,7 +58,7 @@ static void read_events(const cJSON *summary, struct dea_caption *caption) {
     const cJSON *event;
     cJSON_ArrayForEach(event, cJSON_GetObjectItemCaseSensitive(summary, "events")) {
         const cJSON *time = cJSON_GetObjectItemCaseSensitive(event, "t");
-        if (caption->event_count == DEA_PANEL_CURVES || !cJSON_IsNumber(time) ||
+        if (caption->event_count == DEA_PANEL_CURVES || !cJSON_IsNumber(time) || !isfinite(time->valuedouble) ||
             cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(event, "cleared")))
             continue;
         int k = caption->event_count++;

@@ -72,6 +72,7 @@ bad 'time [s],stress [MPa]\n0,3\n'
 refuse 'bad.csv:2: the time 0 s is not positive; times count from the step' --branches bad.csv
 bad 'time [s],stress [MPa]\n1,3\n2,2\n3,-1\n'
 refuse 'the stress must keep its sign and not be 0' --branches bad.csv
+refuse "$ROOT/tests/data/relaxation.csv:3: the first column is 'time'; it must be \"stretch [unit]\"" "$ROOT/tests/data/relaxation.csv"
 refuse '--law rubber: gent, neo_hookean, yeoh, ogden and arruda_boyce are allowed' bad.csv --law rubber
 refuse '--count 9: 1 to 5 are allowed' --branches bad.csv --count 9
 refuse '--stress real: nominal, clamped and true are allowed' bad.csv --stress real

@@ -57,6 +57,9 @@ refuse 'both axes are lp1' --x lp1=1:2 --y lp1=1:2
 refuse '--x lp1=2:1: the range must grow' --x lp1=2:1 --y lp2=1:2
 refuse '--x lp1=1: write lp1=FIRST:LAST' --x lp1=1 --y lp2=1:2
 refuse '--x E_bd: ' --x "E_bd=1 mm:2 mm" --y lp2=1:2
+refuse '--x lp1: 1e+300 is outside 0.05 .. 20; is the unit right?' --x lp1=1:1e300 --y lp2=1:2
+refuse '--set t0: 2.5e+07 um is outside 0.01 .. 10000; is the unit right?' --x r_a=0:1 --y lp2=1:2 --set t0=25
+refuse '--x lp1=1:2:3: write lp1=FIRST:LAST' --x lp1=1:2:3 --y lp2=1:2
 refuse 'r_a = 2 is not possible; it must be between 0 and 1' --x r_a=1:2 --y lp2=1:2
 refuse '-n 5x: write NXxNY, each from 2 to 20000' --x r_a=0:1 --y lp2=1:2 -n 5x
 refuse '-n 1: write NXxNY' --x r_a=0:1 --y lp2=1:2 -n 1

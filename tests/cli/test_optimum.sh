@@ -109,6 +109,8 @@ refuse() { # MESSAGE ARGUMENT...
 }
 refuse '--free: unknown parameter "lp3"' --free r_a,lp3
 refuse '--free lp1=2: write lp1=FIRST:LAST' --free lp1=2
+refuse '--over t0: 2.5e+07 um is outside 0.01 .. 10000; is the unit right?' --over t0=25:50:4
+refuse '--set mu: 1e-36 MPa is outside 0.0001 .. 1000; is the unit right?' --set mu=1e-30
 refuse 'the range of lp1 is empty' --free lp1=2:1
 refuse 'with --pure-shear lp1 is 1 and cannot be free' --free lp1 --pure-shear
 refuse 'with a dead load there is no r_a to choose' --free r_a --dead-load

@@ -14,6 +14,10 @@ expect 2 "$DEASIM" plot nothing "a run"
 has out "a run/result.png"
 has err "deasim plot: nothing/result.csv: there is no result to draw: No such file or directory"
 
+# numbers of a summary that are none are not drawn
+printf '{"title": "t", "limits": {"x": 1e999}, "events": [{"t": 1e999, "type": "stop"}, 5, null]}\n' >"a run/summary.json"
+expect 0 "$DEASIM" plot "a run"
+
 expect 0 "$DEASIM" plot --help
 has out "usage: deasim plot DIR"
 expect 2 "$DEASIM" plot

@@ -64,6 +64,7 @@ static void refusals_name_the_line(void **state) {
     (void)state;
     refuse("", ": empty; a header \"time [unit], stress or strain [unit]\" is needed");
     refuse("when [s],strain [1]\n1,1\n", ":1: the first column is 'when'; it must be \"time [unit]\"");
+    refuse("stretch [1],stress [Pa]\n1,1\n", ":1: the first column is 'stretch'; it must be \"time [unit]\"");
     refuse("time [1],strain [1]\n1,1\n", ":1: column 'time': unknown unit '1'; allowed: ns, us, ms, s, min, h");
     refuse("time [s],strain [1]\n1\n", ":2: 1 cell; two are needed, time and stress or strain, with a comma between");
     refuse("time [s],strain [1]\n1,\n", ":2: the stress or strain is missing");
