@@ -64,8 +64,7 @@ static enum dea_status find_push(struct dea_plant *plant, double t, const double
     return status;
 }
 
-/* Without mass, or damped too much to swing. */
-static bool is_light(const struct dea_plant *plant) {
+bool plant_is_light(const struct dea_plant *plant) {
     const struct dea_device *device = plant->device;
     return device->stiffness > 0.0 &&
            (plant->v == ABSENT || device->damping >= 2.0 * sqrt(device->stiffness * device->effective_mass));
@@ -101,7 +100,7 @@ void plant_release_stops(struct dea_plant *plant) {
 /* Without mass and damping the equations themselves have that bend, where Newton's iteration would go to and fro: a
  * stop pushes or does not over whole steps. */
 void plant_hold_stops(struct dea_plant *plant) {
-    if (plant->motion != MOTION_ALGEBRAIC || plant->network != ABSENT || plant->device->stiffness <= 0.0)
+    if (plant->motion != MOTION_ALGEBRAIC || plant->device->stiffness <= 0.0)
         return;
     for (int i = 0; i < plant->event_count; i++)
         if (plant->roots[i].kind == DEA_EVENT_STOP)
@@ -137,7 +136,7 @@ int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *va
     const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
     double velocity = plant_velocity(plant, u, up), reserves[MAX_EVENTS];
     plant->rates_now = up;
-    bool light = is_light(plant);
+    bool light = plant_is_light(plant);
     for (int i = 0; light && i < plant->event_count; i++)
         if (plant->roots[i].kind == DEA_EVENT_STOP && light_reserve(plant, t, u, i, &reserves[i]) != DEA_OK)
             return 1;

@@ -348,7 +348,8 @@ static enum dea_status note_roots(struct dea_plant *plant, bool found, bool *eve
     for (int i = 0; found && i < plant->event_count; i++) {
         bool bends = plant->roots[i].kind == DEA_EVENT_SLACK || plant->roots[i].kind == DEA_EVENT_STOP;
         *event = *event || plant->root_hits[i] != 0;
-        plant->bent = plant->bent || (plant->root_hits[i] != 0 && bends && plant->network == ABSENT);
+        plant->bent =
+            plant->bent || (plant->root_hits[i] != 0 && bends && (plant->network == ABSENT || plant_is_light(plant)));
     }
     if (plant_note_limits(plant, found ? plant->root_hits + plant->event_count : NULL) != DEA_OK)
         return dea_fail(error, DEA_ERR_SOLVER, "t = %.9g s: the state left the model", plant->t);

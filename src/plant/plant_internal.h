@@ -235,6 +235,8 @@ enum dea_status plant_find_equilibrium(const struct dea_device *device, const do
                                        double *x);
 
 /* events.c */
+/* A platform without mass, or damped too much to swing. */
+bool plant_is_light(const struct dea_plant *plant);
 /* Leaves it to the position whether stops push, as long as the platform is put to its place; decides it for the steps
  * to come, by the events that have been told. */
 void plant_release_stops(struct dea_plant *plant);
