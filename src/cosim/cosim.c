@@ -13,9 +13,8 @@
  * device integrated as one system: with them all parts weigh about the same, and the delivered error is a fraction of A
  * at every A from 1e-2 to 1e-6. */
 #define PLANT_SHARE 0.5 /* of A, to the plants */
-/* Of A, to the mismatch of one exchange: with inertia mismatches add up to velocity, without they are forgotten. */
+/* Of A, to the mismatch of one exchange. */
 #define COUPLING_SHARE 0.01
-#define FORGOTTEN_SHARE 0.03
 /* A mismatch lags behind the motion, so what it leaves adds up from one free oscillation to the next: as many of them
  * as this and the share is halved. */
 #define COUPLING_CYCLES 20.0
@@ -92,8 +91,6 @@ static enum dea_status report_failure(const struct cosim *run, struct dea_error 
 
 /* Relative mismatch of capacitance that one exchange of a device may find. */
 static double allow_mismatch(const struct cosim *run, int i) {
-    if (run->devices[i].device->effective_mass <= 0.0)
-        return FORGOTTEN_SHARE * run->scene->accuracy;
     double cycles = dea_plant_remembered_cycles(run->devices[i].plant);
     return COUPLING_SHARE * run->scene->accuracy / (1.0 + cycles / COUPLING_CYCLES);
 }

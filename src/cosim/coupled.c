@@ -319,15 +319,22 @@ static double told_capacitance(struct coupled *coupled, int port) {
     return capacitance;
 }
 
-/* Charge pieces of all ports over a common stretch of points, as long as every port allows. */
+/* Square of the charge per pulling force of a film, C^2/N: it pulls with q^2 / (C length). */
+static double square_per_pull(const struct coupled *coupled, int port) {
+    const struct dea_zone *zone = &coupled->device->zones[coupled->zones[port]];
+    return zone->rest_capacitance * zone->length;
+}
+
+/* Charge pieces of all ports over a common stretch of points, as long as every port allows: for the platform, the
+ * films' pulls must be known alike. */
 static size_t fit_pieces(const struct coupled *coupled, size_t first, double fit_tolerance,
                          struct dea_charge_piece *pieces) {
     size_t last = fit_tolerance >= 0.0 ? coupled->windows[0].count - 1 : first + 1;
-    double largest = 0.0;
+    double largest = 0.0; /* pull, N */
     for (int p = 0; p < coupled->port_count; p++)
-        largest = fmax(largest, coupled->largest_charge[p]);
-    double tolerance = fit_tolerance * largest * largest;
+        largest = fmax(largest, coupled->largest_charge[p] * coupled->largest_charge[p] / square_per_pull(coupled, p));
     for (int settled = 0, p = 0; settled < coupled->port_count; p = (p + 1) % coupled->port_count) {
+        double tolerance = fit_tolerance * largest * square_per_pull(coupled, p);
         size_t reach = window_fit(&coupled->windows[p], first, last, tolerance, &pieces[p]);
         settled = reach == last ? settled + 1 : 1;
         last = reach;
