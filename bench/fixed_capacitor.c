@@ -45,7 +45,7 @@ static enum dea_status write_scene(const struct dea_scene *scene, FILE *file, st
     struct dea_deck deck = {0};
     struct dea_deck_options options;
     double stop;
-    enum dea_status status = cosim_read_netlist(scene, false, &netlist, error);
+    enum dea_status status = cosim_read_netlist(scene, false, NULL, &netlist, error);
     if (status == DEA_OK)
         status = cosim_choose_stop(scene, &netlist, &stop, error);
     if (status == DEA_OK)

@@ -117,7 +117,7 @@ static enum dea_status run_circuit(struct run *run, const struct dea_scene *scen
     struct dea_circuit_device *devices = NULL;
     struct dea_deck deck = {0};
     struct dea_engine *engine = NULL;
-    enum dea_status status = cosim_read_netlist(scene, false, &netlist, error);
+    enum dea_status status = cosim_read_netlist(scene, false, NULL, &netlist, error);
     if (status == DEA_OK)
         status = cosim_describe_devices(scene, &devices, error);
     struct dea_deck_options options = {0};

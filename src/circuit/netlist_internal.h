@@ -22,6 +22,9 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job);
 /* Refuses a URC line, or a model of one, that would keep ngspice for ever. A line with all its words, or .model. */
 enum dea_status dea_netlist_check_urc(struct dea_netlist_job *job, int index);
 
+/* Warns where the value of a resistor is in M or that of a capacitor in F. */
+enum dea_status dea_netlist_check_suffix(struct dea_netlist_job *job, int index);
+
 /* Refuses functions that ngspice cannot put in or crashes over. After vetting: brackets match. */
 enum dea_status dea_netlist_check_functions(struct dea_netlist_job *job);
 

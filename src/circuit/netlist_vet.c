@@ -388,6 +388,8 @@ enum dea_status dea_netlist_vet(struct dea_netlist_job *job) {
         DEA_TRY(check_nodes(job, i));
         if (tolower((unsigned char)first) == 'u')
             DEA_TRY(dea_netlist_check_urc(job, i));
+        if (strchr("rRcC", first) != NULL)
+            DEA_TRY(dea_netlist_check_suffix(job, i));
     }
     return DEA_OK;
 }

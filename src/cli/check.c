@@ -24,7 +24,9 @@ static void print_device(const char *path, const struct dea_scene_device *named)
 static int check_scene(const char *path, const struct cli_options *options) {
     struct dea_scene scene;
     struct dea_error error;
-    struct dea_run_options run = {.engine = options->engine, .trust_netlist = options->trust_netlist};
+    struct dea_report report = {.terminal = options->quiet ? NULL : stderr};
+    struct dea_run_options run = {
+        .report = &report, .engine = options->engine, .trust_netlist = options->trust_netlist};
     enum dea_status status = cli_read_scene(path, options, &scene);
     if (status == DEA_OK) {
         status = dea_check_scene(&scene, &run, &error);

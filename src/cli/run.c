@@ -84,8 +84,10 @@ static int run_scene(const struct cli_options *options, const struct dea_scene *
                                   .engine = options->engine,
                                   .trust_netlist = options->trust_netlist,
                                   .time_limit = options->time_limit};
+    struct dea_run_options check = run;
+    check.report = NULL; /* the run itself warns */
     /* before a folder is made for its results */
-    if (dea_check_scene(scene, &run, &error) != DEA_OK ||
+    if (dea_check_scene(scene, &check, &error) != DEA_OK ||
         (options->directory != NULL && open_log(options->directory, &report.log, &error) != DEA_OK))
         return cli_report("run", &error);
     catch_signals();

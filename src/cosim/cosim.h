@@ -6,9 +6,10 @@
 #include "circuit/engine.h"
 #include "cosim/observer.h"
 
-/* Reads and vets the scene's netlist. Pin names and counts follow the scene's devices. */
-enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
-                                   struct dea_error *error);
+/* Reads and vets the scene's netlist; what is left out or looks like a slip goes to `report` (may be NULL). Pin names
+ * and counts follow the scene's devices. */
+enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_report *report,
+                                   struct dea_netlist *netlist, struct dea_error *error);
 
 /* Electrical side of the scene's devices, in their order; *devices is malloc'd. */
 enum dea_status cosim_describe_devices(const struct dea_scene *scene, struct dea_circuit_device **devices,

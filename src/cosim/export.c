@@ -166,7 +166,7 @@ enum dea_status dea_export_scene(const struct dea_scene *scene, bool trust_netli
     double stop = scene->stop;
     enum dea_status status = DEA_OK;
     if (scene->netlist != NULL) {
-        status = cosim_read_netlist(scene, trust_netlist, &netlist, error);
+        status = cosim_read_netlist(scene, trust_netlist, NULL, &netlist, error);
         if (status == DEA_OK)
             status = cosim_choose_stop(scene, &netlist, &stop, error);
     }

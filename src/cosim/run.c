@@ -33,7 +33,7 @@ enum dea_status dea_check_scene(const struct dea_scene *scene, const struct dea_
         return DEA_OK;
     struct dea_netlist netlist = {0};
     double stop;
-    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
+    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, options->report, &netlist, error);
     if (status == DEA_OK)
         status = cosim_choose_stop(scene, &netlist, &stop, error);
     dea_netlist_clear(&netlist);

@@ -18,8 +18,8 @@
  * and the run repeated. */
 #define RELAXATION 4.0
 
-enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_netlist *netlist,
-                                   struct dea_error *error) {
+enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, struct dea_report *report,
+                                   struct dea_netlist *netlist, struct dea_error *error) {
     struct dea_netlist_device *devices = calloc((size_t)scene->device_count, sizeof *devices);
     if (devices == NULL)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for %d devices", scene->device_count);
@@ -37,6 +37,8 @@ enum dea_status cosim_read_netlist(const struct dea_scene *scene, bool trusted, 
     struct dea_netlist_options options = {.trusted = trusted, .devices = devices, .device_count = scene->device_count};
     if (status == DEA_OK)
         status = dea_netlist_read(scene->netlist, &options, netlist, error);
+    for (int i = 0; status == DEA_OK && report != NULL && i < netlist->warning_count; i++)
+        dea_report_warn(report, "%s", netlist->warnings[i]);
     free(devices);
     return status;
 }

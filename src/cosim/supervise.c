@@ -214,7 +214,7 @@ enum dea_status run_supervised(const struct dea_scene *scene, const struct dea_r
                                const struct row_sink *sink, struct dea_result *result, struct dea_error *error) {
     struct dea_netlist netlist = {0};
     bool done = false;
-    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, &netlist, error);
+    enum dea_status status = cosim_read_netlist(scene, options->trust_netlist, options->report, &netlist, error);
     if (status == DEA_OK && options->time_limit <= 0.0) /* only a child can be ended by the clock */
         status = run_linear(scene, &netlist, false, options, sink, result, &done, error);
     if (status == DEA_OK && !done)

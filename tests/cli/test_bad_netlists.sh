@@ -61,6 +61,22 @@ bad 2 "bad.cir:6: .foo is not allowed" ".foo 1 2"
 bad 2 'bad.cir:6: not an element: "?R1 left 0 1k"' "?R1 left 0 1k"
 bad 2 "bad.cir:7: ngspice refuses the circuit: r1 left 0 2k; device already exists" "R1 left 0 1k" "R1 left 0 2k"
 
+# ---- no mistakes, but told: once, on the terminal and in the log ----
+printf '%s\n' "$head" "R9 left 0 100M" "R8 left 0 100Meg" "C9 q 0 1F" "R7 q 0 1k" ".ac dec 10 1 1k" >bad.cir
+for engine in auto ngspice; do
+    expect 0 "$DEASIM" run scene.yaml -o run --engine $engine --set events.breakdown=ignore
+    for file in err run/log.txt; do
+        has $file "warning: bad.cir:6: 100M is 100 milliohm: M is milli in SPICE, Meg is a million"
+        has $file "warning: bad.cir:8: 1F is 1 femtofarad: F behind a number is femto in SPICE"
+        has $file "warning: bad.cir:10: .ac left out: only the transient is run"
+        (($(grep -c "bad.cir:" $file) == 3)) || { cat $file; exit 1; }
+    done
+done
+expect 0 "$DEASIM" check scene.yaml
+has err "warning: bad.cir:10: .ac left out: only the transient is run"
+expect 0 "$DEASIM" check --quiet scene.yaml
+[[ ! -s err ]]
+
 # ---- missing things ----
 bad 2 "bad.cir:6: ngspice refuses the circuit: warning, can't find model 'nomodel'" "D1 left 0 nomodel"
 bad 2 "bad.cir:6: ngspice refuses the circuit: Error: unknown subckt: x2 left 0 nosub" "X2 left 0 nosub"

@@ -133,7 +133,7 @@ void run_with_control(const struct dea_scene *scene, double accuracy, const stru
     struct row_sink sink = {.context = rows, .open = open_rows, .row = keep_row};
     struct dea_netlist netlist = {0};
     double started = dea_clock();
-    rows->status = cosim_read_netlist(&copy, false, &netlist, &rows->error);
+    rows->status = cosim_read_netlist(&copy, false, NULL, &netlist, &rows->error);
     if (rows->status == DEA_OK)
         rows->status = cosim_run(&copy, &netlist, &options, control, &sink, NULL, &rows->result, &rows->error);
     dea_netlist_clear(&netlist);
