@@ -130,35 +130,54 @@ static double complex normalise(const struct pencil *pencil, int mode) {
     return sum;
 }
 
-/* Largest part of a port voltage, in units of the sources' peak, that a mode makes up after every source has moved at
- * its quickest. */
-static double find_share(const struct dea_plant *plant, const struct pencil *pencil, int mode, double complex lambda) {
+/* What a mode shows at the ports, in units of the sources' values. */
+struct showing {
+    double jumped[DEA_ZONES]; /* after every source has jumped to its peak */
+    double moved[DEA_ZONES];  /* after it has got there at its quickest */
+};
+
+static double complex find_kick(const struct dea_plant *plant, const struct pencil *pencil, int mode,
+                                const struct dea_network_source *source) {
+    double complex kick = 0.0;
+    if (source->row >= 0)
+        kick += conj(component(pencil, pencil->left, mode, source->row)) / row_scale(plant, source->row);
+    if (source->other_row >= 0)
+        kick -= conj(component(pencil, pencil->left, mode, source->other_row)) / row_scale(plant, source->other_row);
+    return kick;
+}
+
+static void find_showing(const struct dea_plant *plant, const struct pencil *pencil, int mode, double complex lambda,
+                         struct showing *showing) {
     const struct dea_network *network = plant->options.network;
     double complex norm = normalise(pencil, mode);
-    double kicked = 0.0, seen = 0.0, omega = fabs(cimag(lambda)) / pencil->time;
+    double jumped = 0.0, moved = 0.0, omega = fabs(cimag(lambda)) / pencil->time;
     for (size_t s = 0; s < network->source_count; s++) {
         const struct dea_network_source *source = &network->sources[s];
         double peak = dea_waveform_peak(&source->waveform);
         if (!(peak > 0.0))
             continue;
-        double complex moved = 0.0;
-        if (source->row >= 0)
-            moved += conj(component(pencil, pencil->left, mode, source->row)) / row_scale(plant, source->row);
-        if (source->other_row >= 0)
-            moved -=
-                conj(component(pencil, pencil->left, mode, source->other_row)) / row_scale(plant, source->other_row);
-        double part = omega > 0.0 ? fmin(find_quickness(&source->waveform, peak) / omega, 1.0) : 1.0;
-        kicked += cabs(moved / norm / lambda) * peak * part;
+        double kick = cabs(find_kick(plant, pencil, mode, source) / norm / lambda) * peak;
+        jumped += kick;
+        moved += kick * (omega > 0.0 ? fmin(find_quickness(&source->waveform, peak) / omega, 1.0) : 1.0);
     }
+    memset(showing, 0, sizeof *showing);
     for (int k = 0; k < DEA_ZONES; k++) {
         if (!plant->zones[k].present || plant->zones[k].kind != DEA_PORT_NETWORK)
             continue;
-        double complex across = component(pencil, pencil->right, mode, network->ports[k].p) -
-                                component(pencil, pencil->right, mode, network->ports[k].n);
-        seen = fmax(seen, cabs(across) * plant->scale[plant->network]);
+        double across = cabs(component(pencil, pencil->right, mode, network->ports[k].p) -
+                             component(pencil, pencil->right, mode, network->ports[k].n));
+        showing->jumped[k] = (omega > 0.0 ? 2.0 : 1.0) * jumped * across;
+        showing->moved[k] = (omega > 0.0 ? 2.0 : 1.0) * moved * across;
     }
-    double share = (omega > 0.0 ? 2.0 : 1.0) * kicked * seen / fmax(network->peak, DBL_MIN);
-    return share < 1.0 ? share : 1.0; /* also where the mode's norm vanishes */
+}
+
+/* Largest part of a port's voltage, which is about the sum of what the modes show there, that is a mode's. */
+static double find_share(const struct showing *showing, const double sizes[DEA_ZONES]) {
+    double share = 0.0;
+    for (int k = 0; k < DEA_ZONES; k++)
+        if (showing->moved[k] > 0.0)
+            share = fmax(share, showing->moved[k] / fmax(sizes[k], DBL_MIN));
+    return share < 1.0 ? share : 1.0; /* also where a mode's norm vanishes */
 }
 
 /* ---- circuits that forget at once ---- */
@@ -212,13 +231,30 @@ static enum dea_status solve(struct pencil *pencil, bool *found, struct dea_erro
     return DEA_OK;
 }
 
+/* The eigenvalue of a mode, in units of the run's length; false for the other one of a pair and for an unknown without
+ * memory. */
+static bool get_mode(const struct pencil *pencil, int mode, double complex *lambda) {
+    *lambda = (pencil->real[mode] + I * pencil->imag[mode]) / pencil->scale[mode];
+    return pencil->imag[mode] >= 0.0 && isfinite(creal(*lambda)) && isfinite(cimag(*lambda)) && *lambda != 0.0;
+}
+
 /* Adds up what the modes remember. */
 static void remember(struct dea_plant *plant, const struct pencil *pencil) {
+    double complex lambda;
+    double sizes[DEA_ZONES] = {0.0};
+    struct showing showing;
     for (int mode = 0; mode < pencil->n; mode++) {
-        double complex lambda = (pencil->real[mode] + I * pencil->imag[mode]) / pencil->scale[mode];
-        if (pencil->imag[mode] < 0.0 || !isfinite(creal(lambda)) || !isfinite(cimag(lambda)) || lambda == 0.0)
-            continue; /* the other one of a pair; an unknown without memory */
-        double share = find_share(plant, pencil, mode, lambda);
+        if (!get_mode(pencil, mode, &lambda))
+            continue;
+        find_showing(plant, pencil, mode, lambda, &showing);
+        for (int k = 0; k < DEA_ZONES; k++)
+            sizes[k] += isfinite(showing.jumped[k]) ? showing.jumped[k] : 0.0;
+    }
+    for (int mode = 0; mode < pencil->n; mode++) {
+        if (!get_mode(pencil, mode, &lambda))
+            continue;
+        find_showing(plant, pencil, mode, lambda, &showing);
+        double share = find_share(&showing, sizes);
         if (share < NEGLIGIBLE_SHARE * plant->options.accuracy)
             continue;
         double memory = fmin(1.0 / fmax(-creal(lambda), DBL_MIN), 1.0);
@@ -254,9 +290,12 @@ enum dea_status plant_network_remember(struct dea_plant *plant, struct dea_error
     pencil.imag = pencil.real + n;
     pencil.scale = pencil.imag + n;
     fill(plant, &pencil);
-    double sum = can_ring(plant->options.network) ? INFINITY : sum_time_constants(&pencil);
+    bool rings = can_ring(plant->options.network);
+    double sum = rings ? INFINITY : sum_time_constants(&pencil);
     plant->creep = sum * pencil.time;
-    enum dea_status status = sum > SHORT_MEMORY ? find_modes(plant, &pencil, error) : DEA_OK;
+    /* what creeps hands on errors from one period of the drive to the next: of one period there is no next */
+    bool hands_on = sum > SHORT_MEMORY && plant->options.periods > 1.0;
+    enum dea_status status = rings || hands_on ? find_modes(plant, &pencil, error) : DEA_OK;
     free(all);
     return status;
 }
