@@ -292,7 +292,7 @@ enum dea_status plant_network_remember(struct dea_plant *plant, struct dea_error
     fill(plant, &pencil);
     bool rings = can_ring(plant->options.network);
     double sum = rings ? INFINITY : sum_time_constants(&pencil);
-    plant->creep = sum * pencil.time;
+    plant->creep = fmin(sum, 1.0) * pencil.time;
     /* what creeps hands on errors from one period of the drive to the next: of one period there is no next */
     bool hands_on = sum > SHORT_MEMORY && plant->options.periods > 1.0;
     enum dea_status status = rings || hands_on ? find_modes(plant, &pencil, error) : DEA_OK;
