@@ -200,6 +200,10 @@ static enum dea_status run_in_child(const struct dea_scene *scene, const struct 
                         steps != NULL ? (int)(steps - error->text) : -1, error->text);
         dea_result_clear(result);
     }
+    if (status == DEA_ERR_INTERRUPTED && options->interrupt != NULL && *options->interrupt != 0) {
+        const struct dea_error told = *error; /* the child does not know by whom */
+        status = dea_fail(error, status, "%s by SIG%s", told.text, sigabbrev_np(*options->interrupt));
+    }
     if (child.control.relaxed > 0 && status >= 0)
         dea_report_warn(options->report,
                         "the circuit's tolerances were loosened %d times to get through: the result may miss the "

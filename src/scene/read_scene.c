@@ -257,6 +257,21 @@ static enum dea_status read_tree(const struct dea_node *root, struct dea_scene *
     return DEA_OK;
 }
 
+/* A file with keys of another kind of file and none of its own was named by mistake. */
+static enum dea_status refuse_other_kind(const struct dea_node *root, const char *const *own, const char *const *others,
+                                         const char *what, struct dea_error *error) {
+    for (; *own != NULL; own++)
+        if (dea_node_get(root, *own) != NULL)
+            return DEA_OK;
+    for (; *others != NULL; others++)
+        if (dea_node_get(root, *others) != NULL)
+            return dea_node_fail(root, error, "%s", what);
+    return DEA_OK;
+}
+
+static const char *const scene_keys[] = {"device", "devices", "drive", "transient", "expect", NULL};
+static const char *const device_keys[] = {"geometry", "zones", "platform", NULL};
+
 /* A scene without a title is called after its file. */
 static enum dea_status complete_title(const struct dea_node *root, struct dea_scene *scene, struct dea_error *error) {
     char name[200] = "";
@@ -279,6 +294,9 @@ enum dea_status dea_scene_read(const char *path, const struct dea_override *over
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the path of the scene");
     enum dea_status status = dea_compose(&tree, DEA_FILE_SCENE, path, overrides, override_count, &root, error);
     if (status == DEA_OK)
+        status = refuse_other_kind(root, scene_keys, device_keys,
+                                   "this is a device, not a scene; a scene names it as its device", error);
+    if (status == DEA_OK)
         status = read_tree(root, scene, error);
     if (status == DEA_OK)
         status = complete_title(root, scene, error);
@@ -292,6 +310,9 @@ enum dea_status dea_device_read(const char *path, const struct dea_override *ove
     struct dea_node *root;
     *device = (struct dea_device){0};
     enum dea_status status = dea_compose(&tree, DEA_FILE_DEVICE, path, overrides, override_count, &root, error);
+    if (status == DEA_OK)
+        status = refuse_other_kind(root, device_keys, scene_keys,
+                                   "this is a scene, not a device; give the file it names as its device", error);
     if (status == DEA_OK)
         status = dea_read_device(root, device, error);
     dea_tree_clear(&tree);

@@ -75,6 +75,12 @@ one output.sample '1 s' "the sample time 1 s is longer than the run, 0.005 s"
 one output.sample '1 fs' "1 fs is outside"
 one output.sample '10 ps' "the run would write 5e+08 rows; at most 1e+08 are allowed"
 
+# ---- a file of another kind ----
+expect 2 "$DEASIM" check "$ROOT/models/planar_c_s5.yaml"
+has err "planar_c_s5.yaml:3:1: this is a device, not a scene; a scene names it as its device"
+expect 2 "$DEASIM" static "$ROOT/examples/rlc.yaml" --voltage 0
+has err "rlc.yaml:1:1: this is a scene, not a device; give the file it names as its device"
+
 # ---- keys, types, choices ----
 refused "unknown key 'transiant'; did you mean 'transient'? allowed: title, device," --set transiant.stop=1
 refused "unknown key 'widht'; did you mean 'width'? allowed: width, thickness, prestretch" --set device.geometry.widht=1

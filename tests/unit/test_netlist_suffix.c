@@ -30,8 +30,8 @@ static void test_hardly_meant(void **state) {
 
 static void test_well_meant(void **state) {
     (void)state;
-    static const char *const good[] = {"R1 a 0 1Meg", "R1 a 0 1MEG", "R1 a 0 1m", "R1 a 0 2mil",   "R1 M 0 1k",
-                                       "C1 a 0 10pF", "C1 a 0 1f",   "C1 a F 1n", "R1 a 0 {1M*2}", "L1 a 0 1M",
+    static const char *const good[] = {"R1 a 0 1Meg", "R1 a 0 1MEG", "R1 a 0 1m",   "R1 a 0 2mil",   "R1 M 0 1k",
+                                       "C1 a 0 10pF", "C1 a 0 1f",   "C1 a F 1n",   "R1 a 0 {1M*2}", "L1 a 0 1M",
                                        "R1 a 0 r=1",  "R1 a 0 1e6",  "R1 a 0 model"};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
         expect_warning(good[i], "");

@@ -131,7 +131,7 @@ static void test_interrupt(void **state) {
     double started = dea_clock();
     assert_int_equal(run_endless(&(struct fate){.ask = SIGINT}, &rows, &result, &error), DEA_ERR_INTERRUPTED);
     assert_true(dea_clock() - started < 8.0); /* before it would be killed */
-    assert_non_null(strstr(error.text, "interrupted"));
+    assert_non_null(strstr(error.text, "s: interrupted by SIGINT"));
     check_kept(&rows, &result);
     assert_true(result.t_end >= rows.last && result.t_end < rows.last + SAMPLE);
     assert_true(result.energy.exchanged > 0.0 && result.energy.imbalance < 1e-3);
