@@ -32,10 +32,11 @@ struct dea_complaints {
     bool misread;        /* ngspice took the circuit but not a value in it: bad input, found late */
     bool searching;      /* for the trouble behind a failed start: errors are no news, only `worst` counts */
     bool searched, search_failed;
-    bool measuring;       /* between "Measurements for ..." and the end of the run */
-    char worst[128];      /* unknown ngspice names as the trouble */
-    char singular[128];   /* node of the last singular matrix */
-    char last_words[160]; /* last line that was no error, for a failure nothing else explains */
+    bool measuring;            /* between "Measurements for ..." and the end of the run */
+    char worst[128];           /* unknown ngspice names as the trouble */
+    char singular[128];        /* node of the last singular matrix */
+    char measure_trouble[160]; /* said before the .measure line it is about */
+    char last_words[160];      /* last line that was no error, for a failure nothing else explains */
 };
 
 /* One EXTERNAL source. */

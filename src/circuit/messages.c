@@ -249,6 +249,31 @@ static bool hear_measure(struct dea_engine *engine, const char *text) {
     return false;
 }
 
+/* A reason that no .measure line has followed stands for itself. */
+static void tell_measure_trouble(struct dea_engine *engine) {
+    char *why = engine->complaints.measure_trouble;
+    if (why[0] != '\0')
+        tell(engine, DEA_MESSAGE_WARNING, -1, why);
+    why[0] = '\0';
+}
+
+/* What goes wrong with a .measure mostly comes in two lines, why and which: one warning. */
+static void hear_measure_trouble(struct dea_engine *engine, const char *text) {
+    char *why = engine->complaints.measure_trouble, whole[600];
+    const char *failed = strstr(text, " failed!");
+    if (begins(text, ".meas") && failed != NULL && why[0] != '\0') {
+        snprintf(whole, sizeof whole, "%.*s failed: %s", (int)(failed - text), text, why);
+        why[0] = '\0';
+        tell(engine, DEA_MESSAGE_WARNING, -1, whole);
+        return;
+    }
+    tell_measure_trouble(engine);
+    if (begins(text, ".meas"))
+        tell(engine, DEA_MESSAGE_WARNING, -1, text);
+    else if (!is_empty_talk(text))
+        snprintf(why, sizeof engine->complaints.measure_trouble, "%s", text);
+}
+
 /* ---- entry ---- */
 
 /* "   12 : r1 a b 1k" of a listing. */
@@ -289,7 +314,12 @@ void dea_engine_hear(struct dea_engine *engine, const char *line) {
         complaints->measuring = true;
     bool warning = strncasecmp(text, "warning", 7) == 0;
     if (complaints->measuring) {
-        warning = !hear_measure(engine, text) && from_stderr;
+        if (!hear_measure(engine, text) && from_stderr) {
+            hear_measure_trouble(engine, text);
+            return;
+        }
+        tell_measure_trouble(engine);
+        warning = false;
     } else if (complaints->expect_detail > 0) {
         complaints->expect_detail--;
         keep_complaint(engine, text);

@@ -77,6 +77,16 @@ has err "warning: bad.cir:10: .ac left out: only the transient is run"
 expect 0 "$DEASIM" check --quiet scene.yaml
 [[ ! -s err ]]
 
+# a .measure that fails: which and why in one line
+printf '%s\n' "$head" ".measure tran rise trig v(left) val=100 rise=1 targ v(left) val=9k rise=1" ".measure tran lost max v(nope)" \
+    ".measure tran twice param='rise*2'" >bad.cir
+expect 0 "$DEASIM" run scene.yaml --engine ngspice
+has err "warning: .measure tran rise trig v(left) val=100 rise=1 targ v(left) val=9k rise=1 failed: out of interval"
+has err "warning: .measure tran lost max v(nope) failed: no such vector as 'v(nope)'"
+has err "warning: Undefined parameter [rise]" # no line of its own tells which
+lacks err "Netlist line no."
+(($(grep -c "out of interval" err) == 1)) || { cat err; exit 1; }
+
 # ---- missing things ----
 bad 2 "bad.cir:6: ngspice refuses the circuit: warning, can't find model 'nomodel'" "D1 left 0 nomodel"
 bad 2 "bad.cir:6: ngspice refuses the circuit: Error: unknown subckt: x2 left 0 nosub" "X2 left 0 nosub"
