@@ -34,10 +34,10 @@ static enum dea_status find_place(const char *path, struct dea_new_file *made, s
     if (!there)
         made->path = strdup(path);
     made->name = strdup(path);
-    if (made->path == NULL || made->name == NULL || asprintf(&made->part, "%s.part", made->path) < 0) {
-        made->part = NULL;
+    char *part = NULL;
+    if (made->path == NULL || made->name == NULL || asprintf(&part, "%s.part", made->path) < 0)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the path %s", path);
-    }
+    made->part = part;
     DEA_TRY(check_kind(made->path, path, error));
     if (there && access(made->path, W_OK) != 0) /* moving another file there would not ask for it */
         return dea_fail(error, DEA_ERR_INPUT, "%s: cannot be written: %s", path, strerror(errno));
@@ -62,8 +62,10 @@ enum dea_status dea_new_file_open(const char *path, struct dea_new_file *made, s
         made->file = descriptor >= 0 ? fdopen(descriptor, "w+") : NULL;
         if (made->file == NULL) {
             status = dea_fail(error, DEA_ERR_INPUT, "%s: cannot be written: %s", path, strerror(errno));
-            if (descriptor >= 0)
+            if (descriptor >= 0) {
                 close(descriptor);
+                unlink(made->part);
+            }
         }
     }
     if (status != DEA_OK)

@@ -202,7 +202,7 @@ static enum dea_status run_in_child(const struct dea_scene *scene, const struct 
     }
     if (status == DEA_ERR_INTERRUPTED && options->interrupt != NULL && *options->interrupt != 0) {
         const struct dea_error told = *error; /* the child does not know by whom */
-        status = dea_fail(error, status, "%s by SIG%s", told.text, sigabbrev_np(*options->interrupt));
+        status = dea_fail(error, DEA_ERR_INTERRUPTED, "%s by SIG%s", told.text, sigabbrev_np(*options->interrupt));
     }
     if (child.control.relaxed > 0 && status >= 0)
         dea_report_warn(options->report,

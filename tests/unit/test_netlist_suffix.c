@@ -3,18 +3,10 @@
 
 /* What is warned of in a netlist of one line below the title; "" for nothing. */
 static void expect_warning(const char *line, const char *says) {
-    static const struct dea_netlist_options options;
-    char path[] = "netlist-test-XXXXXX";
     struct dea_netlist netlist;
-    struct dea_error error = {0};
-    int descriptor = mkstemp(path);
-    FILE *file = descriptor >= 0 ? fdopen(descriptor, "w") : NULL;
-    assert_non_null(file);
-    fprintf(file, "title\n%s\n", line);
-    fclose(file);
-    if (dea_netlist_read(path, &options, &netlist, &error) != DEA_OK)
+    struct dea_error error;
+    if (read_netlist(line, &netlist, &error) != DEA_OK)
         fail_msg("%s: %s", line, error.text);
-    unlink(path);
     assert_int_equal(netlist.warning_count, says[0] != '\0');
     if (says[0] != '\0' && strstr(netlist.warnings[0], says) == NULL)
         fail_msg("%s: \"%s\" instead of \"%s\"", line, netlist.warnings[0], says);
