@@ -179,7 +179,8 @@ enum dea_status cosim_begin_observing(struct cosim *run, struct dea_error *error
 static enum dea_status take_point(void *context, const struct dea_circuit_point *point, struct dea_error *error) {
     struct cosim *run = context;
     if (run->resting) {
-        if (!cosim_rest_agrees(run, point))
+        DEA_TRY(cosim_judge_rest(run, point, error));
+        if (run->resting)
             return DEA_STOPPED;
         DEA_TRY(cosim_begin_observing(run, error));
         for (int i = 0; i < run->count; i++)

@@ -41,9 +41,9 @@ enum dea_status cosim_begin_observing(struct cosim *run, struct dea_error *error
 /* ---- rest.c ---- */
 /* Puts the devices where the scene has them start, at run->rest_voltages. */
 enum dea_status cosim_rest_devices(struct cosim *run, struct dea_error *error);
-/* At the circuit's first point: whether its film voltages are those the devices rest at, so that the run goes on. They
- * are kept for the next round otherwise. */
-bool cosim_rest_agrees(struct cosim *run, const struct dea_circuit_point *point);
+/* At the circuit's first point: run->resting becomes false where its film voltages are those the devices rest at, and
+ * the run goes on. They are kept for the next round otherwise. */
+enum dea_status cosim_judge_rest(struct cosim *run, const struct dea_circuit_point *point, struct dea_error *error);
 /* Finds the operating point of circuit and devices and runs the transient from there. */
 enum dea_status cosim_run_from_rest(struct cosim *run, struct dea_error *error);
 

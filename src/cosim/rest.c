@@ -31,12 +31,22 @@ static void keep_rest(struct cosim *run, const struct dea_circuit_point *point) 
             run->rest_voltages[i * DEA_ZONES + p] = point->ports[i * DEA_ZONES + p].film_voltage;
 }
 
-bool cosim_rest_agrees(struct cosim *run, const struct dea_circuit_point *point) {
+/* The films take the run's own voltages over, where the devices rest: books start from one state. */
+static enum dea_status take_voltages(struct cosim *run, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    for (int i = 0; i < run->count; i++) {
+        double x = run->devices[i].outlook.x[0];
+        DEA_TRY(coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start, &x,
+                             scene->has_initial_v ? &scene->initial_v : NULL, error));
+    }
+    return DEA_OK;
+}
+
+enum dea_status cosim_judge_rest(struct cosim *run, const struct dea_circuit_point *point, struct dea_error *error) {
     run->rest_change = compare_rest(run, point);
     run->resting = run->rest_change > run->rest_agreed;
-    if (run->resting)
-        keep_rest(run, point);
-    return !run->resting;
+    keep_rest(run, point);
+    return !run->resting && run->rest_change > SAME_REST ? take_voltages(run, error) : DEA_OK;
 }
 
 enum dea_status cosim_rest_devices(struct cosim *run, struct dea_error *error) {
