@@ -44,7 +44,7 @@ struct dea_run_stats {
 };
 
 /* From this sensitivity on a run says that its accuracy may not be as asked: see docs/accuracy.md. */
-#define DEA_SENSITIVE 5.0
+#define DEA_SENSITIVE 4.0
 
 struct dea_netlist_measure {
     char name[96];

@@ -132,9 +132,11 @@ struct dea_plant {
     N_Vector y, yp, id, rates, sample_y, sample_yp, kept_yp, quad, sample_quad;
     SUNMatrix matrix;
     SUNLinearSolver solver;
-    double *largest;   /* running maximum of |y_i|, for the weights */
-    bool *follows;     /* unknowns whose errors are weighed by the displacement's size */
-    double resistance; /* to motion: damping, and branches at the natural frequency, N s/m */
+    double *largest;              /* running maximum of |y_i|, for the weights */
+    bool *follows;                /* unknowns whose errors are weighed by the displacement's size */
+    double resistance;            /* to motion: damping, and branches at the natural frequency, N s/m */
+    double relaxing[DEA_ZONES];   /* stiffness of each zone's branches that relax within a swing, N/m */
+    bool keeps_charge[DEA_ZONES]; /* films that cannot be charged within a swing */
     struct error_spread spread;
     double rtol, rounding; /* of a step, relative and, per scaled unknown, absolute */
     int *slots;            /* place of entry (row, column) in the matrix data, ABSENT outside the pattern */

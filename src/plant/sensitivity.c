@@ -37,15 +37,29 @@ static double find_mean(double before, double after, double from, double to) {
     return part * before + (1.0 - part) * after;
 }
 
+/* Stiffness of a film as the platform meets it: its charge stays where it is behind a large resistance. */
+static double film_stiffness(const struct dea_plant *plant, int k) {
+    const struct dea_film *film = &plant->points[k].film;
+    if (film->slack)
+        return 0.0;
+    double stiffness = film->stiffness - plant->relaxing[k];
+    if (plant->keeps_charge[k]) {
+        double slope, c = dea_zone_capacitance(plant->device, k, film->lam, &slope, NULL);
+        double pull = film->voltage * slope * film->dlam_dx; /* C/m */
+        stiffness += pull * pull / c;
+    }
+    return stiffness;
+}
+
 /* Mean stiffness of the last step at given voltages, stops included. Uses the evaluation at its end. */
 static double find_stiffness(const struct dea_plant *plant, double x) {
     const struct dea_device *device = plant->device;
     const struct error_spread *spread = &plant->spread;
     double sum = 0.0, x_before = spread->x;
     for (int k = 0; k < DEA_ZONES; k++) {
-        const struct dea_film *film = &plant->points[k].film;
         if (plant->zones[k].present)
-            sum += find_mean(spread->stiffness[k], film->stiffness, spread->margin[k], film->margin);
+            sum += find_mean(spread->stiffness[k], film_stiffness(plant, k), spread->margin[k],
+                             plant->points[k].film.margin);
     }
     for (int side = 0; device->has_stops && side < 2; side++) {
         double sign = side > 0 ? 1.0 : -1.0;
@@ -64,7 +78,7 @@ void plant_note_place(struct dea_plant *plant) {
     struct error_spread *spread = &plant->spread;
     spread->x = position(plant);
     for (int k = 0; k < DEA_ZONES; k++) {
-        spread->stiffness[k] = plant->points[k].film.stiffness;
+        spread->stiffness[k] = film_stiffness(plant, k);
         spread->margin[k] = plant->points[k].film.margin;
     }
 }

@@ -57,35 +57,36 @@
 
 /* ---- the tolerance ---- */
 
-/* Stiffness that a branch adds to the device while it has no time to relax, N/m. */
-static double branch_stiffness(const struct dea_device *device, const struct dea_branch *branch) {
+/* Stiffness that a branch adds to a zone while it has no time to relax, N/m. */
+static double branch_stiffness(const struct dea_device *device, int zone, const struct dea_branch *branch) {
     struct dea_branch_response response;
-    double z[2], sum = 0.0;
+    double z[2], per_length = device->prestretch[0] / device->zones[zone].length;
     dea_branch_relaxed(branch, device->prestretch, device->prestretch[0], z);
-    if (dea_branch_respond(branch, device->prestretch, device->prestretch[0], z, true, &response) != DEA_OK)
+    if (!device->zones[zone].present ||
+        dea_branch_respond(branch, device->prestretch, device->prestretch[0], z, true, &response) != DEA_OK)
         return 0.0;
-    for (int k = 0; k < DEA_ZONES; k++) {
-        if (!device->zones[k].present)
-            continue;
-        double per_length = device->prestretch[0] / device->zones[k].length;
-        sum += device->zones[k].volume * per_length * per_length * response.dp1_dlam1;
-    }
-    return sum;
+    return device->zones[zone].volume * per_length * per_length * response.dp1_dlam1;
 }
 
-/* Damping, and of a platform that swings what its branches take at the natural frequency, N s/m. */
-static double find_resistance(const struct dea_plant *plant) {
+/* What branches make of a platform that moves in its own time: the resistance of those that relax along with it, and
+ * the stiffness that they do not have. */
+static void find_resistance(struct dea_plant *plant) {
     const struct dea_device *device = plant->device;
-    double resistance = device->damping;
-    if (plant->motion != MOTION_INERTIAL || device->stiffness <= 0.0)
-        return resistance;
-    double omega = sqrt(device->stiffness / device->effective_mass);
+    bool swings = plant->motion == MOTION_INERTIAL;
+    plant->resistance = device->damping;
+    plant->relaxing[0] = plant->relaxing[1] = 0.0;
+    if (device->stiffness <= 0.0 || plant->motion == MOTION_ALGEBRAIC)
+        return;
+    double omega = swings ? sqrt(device->stiffness / device->effective_mass) : device->stiffness / device->damping;
     for (int b = 0; b < device->material.branch_count; b++) {
         const struct dea_branch *branch = &device->material.branches[b];
         double turn = omega * branch->tau;
-        resistance += branch_stiffness(device, branch) * branch->tau / (1.0 + turn * turn);
+        for (int k = 0; k < DEA_ZONES; k++) {
+            double relaxing = branch_stiffness(device, k, branch) / (1.0 + turn * turn);
+            plant->relaxing[k] += relaxing;
+            plant->resistance += swings ? relaxing * branch->tau : 0.0;
+        }
     }
-    return resistance;
 }
 
 /* Time after which the platform has forgotten an error, s, and the period of its free oscillation: INFINITY where it
@@ -105,18 +106,18 @@ static double platform_memory(const struct dea_plant *plant, double *cycle) {
     return 1.0 / fmax(rate, DBL_MIN);
 }
 
-/* The same of the film charges behind their resistances, in parallel with the films' own leakage. */
-static double charge_memory(const struct dea_plant *plant) {
-    double longest = 0.0;
-    for (int k = 0; k < DEA_ZONES; k++) {
-        if (!plant->zones[k].present || plant->zones[k].kind != DEA_PORT_SOURCE)
-            continue;
-        double lam = plant->device->prestretch[0], leak;
-        double resistance = plant->options.ports[k].resistance + dea_zone_resistance(plant->device, k, lam, NULL);
-        dea_zone_leakage(plant->device, k, lam, 0.0, &leak, NULL);
-        longest = fmax(longest, plant->device->zones[k].rest_capacitance / (1.0 / resistance + leak));
-    }
-    return longest;
+/* The same of a film's charge behind its resistance, in parallel with the film's own leakage; in a circuit, of the
+ * circuit. */
+static double charge_memory(const struct dea_plant *plant, int k) {
+    if (!plant->zones[k].present ||
+        (plant->zones[k].kind != DEA_PORT_SOURCE && plant->zones[k].kind != DEA_PORT_NETWORK))
+        return 0.0;
+    if (plant->zones[k].kind == DEA_PORT_NETWORK)
+        return plant->creep;
+    double lam = plant->device->prestretch[0], leak;
+    double resistance = plant->options.ports[k].resistance + dea_zone_resistance(plant->device, k, lam, NULL);
+    dea_zone_leakage(plant->device, k, lam, 0.0, &leak, NULL);
+    return plant->device->zones[k].rest_capacitance / (1.0 / resistance + leak);
 }
 
 /* Free oscillations over which an error is carried on. */
@@ -135,7 +136,9 @@ double dea_plant_remembered_cycles(const struct dea_plant *plant) {
 
 /* Periods of the drive that are remembered, by the platform or by a charge that takes its time. */
 static double count_periods(const struct dea_plant *plant) {
-    double cycle, memory = fmax(fmax(platform_memory(plant, &cycle), charge_memory(plant)), plant->creep);
+    double cycle, memory = platform_memory(plant, &cycle);
+    for (int k = 0; k < DEA_ZONES; k++)
+        memory = fmax(memory, charge_memory(plant, k));
     double duration = plant->options.duration;
     return duration > 0.0 ? plant->options.periods * fmin(memory / duration, 1.0) : 0.0;
 }
@@ -148,7 +151,11 @@ static double weigh_memory(const struct dea_plant *plant) {
 }
 
 void plant_set_tolerance(struct dea_plant *plant) {
-    plant->resistance = find_resistance(plant);
+    find_resistance(plant);
+    double cycle;
+    platform_memory(plant, &cycle);
+    for (int k = 0; k < DEA_ZONES; k++)
+        plant->keeps_charge[k] = 2.0 * M_PI * charge_memory(plant, k) > cycle;
     double asked = TOLERANCE_FACTOR * pow(plant->options.accuracy, TOLERANCE_EXPONENT);
     plant->rtol = fmax(asked / (1.0 + weigh_memory(plant)), TOLERANCE_FLOOR);
 

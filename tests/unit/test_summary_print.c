@@ -69,7 +69,7 @@ static void sensitive_motions_are_told(void **state) {
     (void)state;
     struct sample_run run;
     fill_sample(&run);
-    run.result.sensitivity = 4.9;
+    run.result.sensitivity = 3.9;
     char *text = print_summary(&run);
     assert_null(strstr(text, "errors"));
     free(text);
