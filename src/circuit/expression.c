@@ -188,7 +188,7 @@ bool expression_subtract(struct expression *expression, const struct expression 
 }
 
 double expression_evaluate(const struct expression *expression, const double *row) {
-    double stack[EXPRESSION_MAX + 1];
+    double stack[EXPRESSION_MAX + 1] = {0.0};
     int top = -1;
     for (int i = 0; i < expression->count; i++) {
         switch (expression->terms[i].operation) {

@@ -134,7 +134,7 @@ static double reserve(const struct dea_plant *plant, int index, double x) {
 int plant_root_functions(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *context) {
     struct dea_plant *plant = context;
     const double *u = NV_DATA_S(y), *up = NV_DATA_S(yp);
-    double velocity = plant_velocity(plant, u, up), reserves[MAX_EVENTS];
+    double velocity = plant_velocity(plant, u, up), reserves[MAX_EVENTS] = {0.0};
     plant->rates_now = up;
     bool light = plant_is_light(plant);
     for (int i = 0; light && i < plant->event_count; i++)

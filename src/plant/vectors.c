@@ -75,7 +75,7 @@ static sunrealtype weighted_norm(N_Vector x, N_Vector weights) {
 static int combine(int count, sunrealtype *factors, N_Vector *vectors, N_Vector z) {
     if (count > MOST_TERMS)
         return N_VLinearCombination_Serial(count, factors, vectors, z);
-    const double *u[MOST_TERMS];
+    const double *u[MOST_TERMS] = {NULL};
     double *w = data_of(z);
     sunindextype n = length_of(z), i = 0;
     for (int k = 0; k < count; k++)
