@@ -10,6 +10,11 @@
 
 #define NEAR_LIMIT 1.0 /* steps' tolerances */
 #define OVERSTEP 1e-9  /* beyond a limit by this part and not located: changed at the end of the step */
+/* A demand that stays at its limit makes that begin and end to hold without end. After so many changes, each within
+ * this part of the run of the one before, the demand is clipped instead, for a while. */
+#define QUICK_TURNS 20
+#define AT_ONCE 1e-7
+#define CLIPPED_FOR 1e-4 /* of the run */
 
 /* What a limit bounds, in units of the limit; with `yp` as the integrator knows it, which says more than a difference
  * of two voltages all but equal. */
@@ -34,6 +39,8 @@ static double demand(const struct dea_plant *plant, const struct held_limit *lim
 
 /* Positive while the limit stays as it is. */
 static double limit_reserve(const struct held_limit *limit, double demanded) {
+    if (limit->held == LIMIT_UNDECIDED)
+        return 1.0;
     return limit->held == 0 ? 1.0 - fabs(demanded) : limit->held * demanded - 1.0;
 }
 
@@ -91,6 +98,18 @@ void plant_limit_roots(const struct dea_plant *plant, double t, const double *yp
 
 /* ---- changes ---- */
 
+static double run_length(const struct dea_plant *plant) {
+    return fmax(plant->options.duration, plant->t);
+}
+
+/* Notes a change; whether it is one of many at once. */
+static bool chatters(const struct dea_plant *plant, struct held_limit *limit) {
+    bool quick = plant->t - limit->turned < AT_ONCE * run_length(plant);
+    limit->quick_turns = quick ? limit->quick_turns + 1 : 0;
+    limit->turned = plant->t;
+    return limit->quick_turns >= QUICK_TURNS;
+}
+
 enum dea_status plant_note_limits(struct dea_plant *plant, const int *hits) {
     if (plant->limit_count == 0)
         return DEA_OK;
@@ -100,7 +119,9 @@ enum dea_status plant_note_limits(struct dea_plant *plant, const int *hits) {
     for (int i = 0; i < plant->limit_count; i++) {
         struct held_limit *limit = &plant->limits[i];
         limit->demanded = demand(plant, limit, plant->t, yp);
-        limit->turns = (hits != NULL && hits[i] != 0) || limit_reserve(limit, limit->demanded) < -OVERSTEP;
+        limit->turns = limit->held == LIMIT_UNDECIDED
+                           ? plant->t > limit->turned + CLIPPED_FOR * run_length(plant)
+                           : (hits != NULL && hits[i] != 0) || limit_reserve(limit, limit->demanded) < -OVERSTEP;
     }
     return DEA_OK;
 }
@@ -143,8 +164,13 @@ enum dea_status plant_turn_limits(struct dea_plant *plant) {
         struct held_limit *limit = &plant->limits[i];
         if (!limit->turns)
             continue;
-        int side = limit->held != 0 ? 0 : limit->demanded > 0.0 ? 1 : -1;
         limit->turns = false;
+        if (limit->held != LIMIT_UNDECIDED && chatters(plant, limit)) {
+            limit->held = LIMIT_UNDECIDED;
+            continue;
+        }
+        bool ends = limit->held == LIMIT_UNDECIDED ? fabs(limit->demanded) <= 1.0 : limit->held != 0;
+        int side = ends ? 0 : limit->demanded > 0.0 ? 1 : -1;
         limit->held = 0;
         if (side != 0)
             DEA_TRY(put_to_limit(plant, limit, side));

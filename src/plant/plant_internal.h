@@ -53,6 +53,8 @@ struct held_limit {
     int held;
     bool turns;      /* begins or ends to hold with the next step */
     double demanded; /* what is limited, in units of the limit, when it turned */
+    double turned;   /* s: when it last changed */
+    int quick_turns; /* changes in a row that came all but at once */
 };
 
 /* Whether a stop pushes; as long as that is undecided, where the platform is beyond it. See events.c. */
