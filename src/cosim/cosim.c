@@ -29,6 +29,9 @@
 /* Of the horizon: an exchange this soon after the platform has met a stop knows the stop's force, and little has
  * happened yet. */
 #define PAST_CONTACT 1e-3
+/* Of the circuit's step in which a film went slack or taut: how far the outlook after it reaches. Its branches go other
+ * ways from there on than the rates foresaw. */
+#define TURN_REACH 2.0
 #define MAX_POINTS 4096 /* of the circuit between two exchanges: memory stays flat, and the fits linear */
 
 /* ---- devices ---- */
@@ -191,12 +194,17 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
     for (int i = 0; i < run->count; i++)
         DEA_TRY(coupled_take(&run->devices[i], i, run->reached, point->time, &point->ports[i * DEA_ZONES],
                              run->observer, error));
+    double step = point->time - run->reached;
     run->reached = point->time;
-    bool exchange = run->devices[0].windows[0].count >= MAX_POINTS;
-    for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++)
+    bool exchange = run->devices[0].windows[0].count >= MAX_POINTS, turned = false;
+    for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++) {
         exchange = exchange || run->devices[i].drift > allow_mismatch(run, i); /* not the way that was foreseen */
-    if (exchange)
+        turned = turned || run->devices[i].turned;
+    }
+    if (exchange || turned)
         DEA_TRY(exchange_all(run, error));
+    if (turned)
+        run->horizon = fmin(run->horizon, TURN_REACH * step);
     if (run->channel != NULL) {
         dea_channel_progress(run->channel, point->time);
         if (dea_channel_stop_requested(run->channel))

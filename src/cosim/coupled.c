@@ -289,7 +289,10 @@ enum dea_status coupled_take(struct coupled *coupled, int index, double from, do
     if (coupled->pending)
         DEA_TRY(settle_interval(coupled, index, last, observer, error));
     coupled_tell_all(coupled, to);
+    coupled->turned = false;
     for (int p = 0; p < coupled->port_count; p++) {
+        coupled->turned = coupled->turned || (to > from && coupled->told[p].slack != coupled->slack[p]);
+        coupled->slack[p] = coupled->told[p].slack;
         struct window_point *point = coupled_last_point(coupled, p);
         const struct told_film *told = &coupled->told[p];
         double v = point->film_voltage, lam = point->stretch = told->stretch;

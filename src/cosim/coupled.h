@@ -16,6 +16,7 @@ struct port_books {
 struct told_film {
     double c, q0;               /* F, C */
     double stretch, resistance; /* 1, Ohm */
+    bool slack;
 };
 
 struct coupled {
@@ -42,6 +43,8 @@ struct coupled {
     bool pending;              /* the interval to the last point has not been booked yet */
     double shorted[DEA_ZONES]; /* conductance of a punctured film, S, per port */
     bool watched;              /* for breakdown: it ends an outlook at once */
+    bool slack[DEA_ZONES];     /* at the last circuit point, per port */
+    bool turned;               /* a film went slack or taut with that point */
     /* a smaller swing, relative to the capacitances and to the displacement, is left out of the outlook */
     double rest_capacitance, rest_position;
     double largest_position;          /* m, so far */

@@ -59,7 +59,8 @@ struct told_film coupled_tell_film(const struct coupled *coupled, int port, doub
         soft = MAX_SOFT_PART * c / (v * v);
     /* at the outlook's own voltage, where the capacitance grows with V^2 as the film gives way */
     double slope = c + 2.0 * soft * v * v + coupled->fading[port] * fade(coupled, ahead);
-    return (struct told_film){slope, -2.0 * soft * v * v * v, lam, dea_zone_resistance(device, k, lam, NULL)};
+    return (struct told_film){slope, -2.0 * soft * v * v * v, lam, dea_zone_resistance(device, k, lam, NULL),
+                              film.slack};
 }
 
 void coupled_tell_all(struct coupled *coupled, double t) {
