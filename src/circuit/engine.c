@@ -62,8 +62,7 @@ static void stop_run(struct dea_engine *engine, enum dea_status verdict) {
     if (engine->stop_sent)
         return;
     engine->stop_sent = true;
-    char command[] = "stop when time > -1";
-    spice.command(command);
+    dea_engine_command("stop when time > -1");
 }
 
 /* A run that does not get on is ended, also when every single step converges. */
@@ -371,10 +370,9 @@ enum dea_status dea_engine_load(struct dea_engine *engine, const struct dea_netl
 
 enum dea_status dea_engine_list(struct dea_engine *engine, struct dea_listing *listing, struct dea_error *error) {
     *listing = (struct dea_listing){0};
-    char command[] = "listing expand";
     engine->listing = listing;
     engine->listing_cut = false;
-    int failed = spice.command(command);
+    int failed = dea_engine_command("listing expand");
     engine->listing = NULL;
     if (engine->listing_cut)
         return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the circuit");

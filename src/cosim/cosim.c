@@ -69,6 +69,8 @@ static enum dea_status create_devices(struct cosim *run, struct dea_error *error
                                         run->rests ? REST_SHARE_OF_POSITION * scene->accuracy : 0.0};
         DEA_TRY(
             coupled_create(&run->devices[i], device, scene->has_load_waveform ? &scene->load : NULL, &demand, error));
+        run->devices[i].allowed_mismatch = COUPLING_SHARE * scene->accuracy /
+                                           (1.0 + dea_plant_remembered_cycles(run->devices[i].plant) / COUPLING_CYCLES);
         DEA_TRY(dea_plant_watch(run->devices[i].plant, kinds, error));
         run->observed[i] = (struct observed){run->devices[i].plant, device,
                                              run->count == 1 ? NULL
@@ -92,12 +94,6 @@ static enum dea_status report_failure(const struct cosim *run, struct dea_error 
     return run->status;
 }
 
-/* Relative mismatch of capacitance that one exchange of a device may find. */
-static double allow_mismatch(const struct cosim *run, int i) {
-    double cycles = dea_plant_remembered_cycles(run->devices[i].plant);
-    return COUPLING_SHARE * run->scene->accuracy / (1.0 + cycles / COUPLING_CYCLES);
-}
-
 /* All plants catch up with the circuit; the mismatch sets how far the new outlooks reach. */
 static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) {
     double mismatch = 0.0, end = run->reached; /* mismatch over what it may be */
@@ -109,7 +105,7 @@ static enum dea_status exchange_all(struct cosim *run, struct dea_error *error) 
         if (run->control->pointwise)
             fit = -1.0;
         DEA_TRY(coupled_advance(&run->devices[i], i, fit, run->observer, &exchange, error));
-        mismatch = fmax(mismatch, exchange.mismatch / allow_mismatch(run, i));
+        mismatch = fmax(mismatch, exchange.mismatch / device->allowed_mismatch);
         if (exchange.policy == DEA_POLICY_STOP) {
             status = DEA_STOPPED;
             end = fmin(end, dea_plant_time(device->plant));
@@ -198,8 +194,9 @@ static enum dea_status take_point(void *context, const struct dea_circuit_point 
     run->reached = point->time;
     bool exchange = run->devices[0].windows[0].count >= MAX_POINTS, turned = false;
     for (int i = 0; i < run->count && run->control->horizon <= 0.0; i++) {
-        exchange = exchange || run->devices[i].drift > allow_mismatch(run, i); /* not the way that was foreseen */
-        turned = turned || run->devices[i].turned;
+        const struct coupled *device = &run->devices[i];
+        exchange = exchange || device->drift > device->allowed_mismatch; /* not the way that was foreseen */
+        turned = turned || device->turned;
     }
     if (exchange || turned)
         DEA_TRY(exchange_all(run, error));

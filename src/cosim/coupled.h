@@ -29,6 +29,7 @@ struct coupled {
     struct window windows[DEA_ZONES]; /* per port */
     struct dea_outlook outlook;       /* since the last exchange */
     double horizon;                   /* how long the outlook is meant to hold, s */
+    double allowed_mismatch;          /* relative, of a told capacitance, that one exchange may find */
     double drift; /* largest relative error of a told capacitance, from how the outlook fails the platform's balance */
     double defect, strayed, straying; /* N, m, m/s: that failure when last compared, and where it has led to */
     double compared_at, compared_charge[DEA_ZONES]; /* s, C per port */

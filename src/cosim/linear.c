@@ -173,7 +173,7 @@ static enum dea_status read_circuit(struct linear_run *run, bool ngspice, bool *
     dea_listing_clear(&listing);
     if (status == DEA_OK && *linear && run->netlist->measure_count > 0) {
         status = read_measures(run, error);
-        *linear = *linear && (ngspice || run->measures != NULL);
+        *linear = ngspice || run->measures != NULL;
     }
     return status;
 }

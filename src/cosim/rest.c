@@ -13,48 +13,41 @@
 #define REST_MISS 20.0
 #define SAME_REST 1e-10 /* relative, between two rounds */
 
-/* How far the film voltages are from those the devices rest at. */
-static double compare_rest(struct cosim *run, const struct dea_circuit_point *point) {
+/* A device at its film voltages, held at x (m) or, with NULL, where the forces balance. */
+static enum dea_status rest_device(struct cosim *run, int i, const double *x, struct dea_error *error) {
+    const struct dea_scene *scene = run->scene;
+    return coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start, x,
+                        scene->has_initial_v ? &scene->initial_v : NULL, error);
+}
+
+enum dea_status cosim_rest_devices(struct cosim *run, struct dea_error *error) {
+    for (int i = 0; i < run->count; i++)
+        DEA_TRY(rest_device(run, i, run->scene->has_initial_x ? &run->scene->initial_x : NULL, error));
+    return DEA_OK;
+}
+
+/* Takes the circuit's film voltages over; returns how far they are from those before. */
+static double keep_voltages(struct cosim *run, const struct dea_circuit_point *point) {
     double change = 0.0;
     for (int i = 0; i < run->count; i++) {
         for (int p = 0; p < run->devices[i].port_count; p++) {
-            double kept = run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
-            change = fmax(change, fabs(found - kept) / fmax(fabs(found), 1.0));
+            double *kept = &run->rest_voltages[i * DEA_ZONES + p], found = point->ports[i * DEA_ZONES + p].film_voltage;
+            change = fmax(change, fabs(found - *kept) / fmax(fabs(found), 1.0));
+            *kept = found;
         }
     }
     return change;
 }
 
-static void keep_rest(struct cosim *run, const struct dea_circuit_point *point) {
-    for (int i = 0; i < run->count; i++)
-        for (int p = 0; p < run->devices[i].port_count; p++)
-            run->rest_voltages[i * DEA_ZONES + p] = point->ports[i * DEA_ZONES + p].film_voltage;
-}
-
-/* The films take the run's own voltages over, where the devices rest: books start from one state. */
-static enum dea_status take_voltages(struct cosim *run, struct dea_error *error) {
-    const struct dea_scene *scene = run->scene;
-    for (int i = 0; i < run->count; i++) {
-        double x = run->devices[i].outlook.x[0];
-        DEA_TRY(coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start, &x,
-                             scene->has_initial_v ? &scene->initial_v : NULL, error));
-    }
-    return DEA_OK;
-}
-
 enum dea_status cosim_judge_rest(struct cosim *run, const struct dea_circuit_point *point, struct dea_error *error) {
-    run->rest_change = compare_rest(run, point);
+    run->rest_change = keep_voltages(run, point);
     run->resting = run->rest_change > run->rest_agreed;
-    keep_rest(run, point);
-    return !run->resting && run->rest_change > SAME_REST ? take_voltages(run, error) : DEA_OK;
-}
-
-enum dea_status cosim_rest_devices(struct cosim *run, struct dea_error *error) {
-    const struct dea_scene *scene = run->scene;
-    for (int i = 0; i < run->count; i++)
-        DEA_TRY(coupled_rest(&run->devices[i], &run->rest_voltages[i * DEA_ZONES], scene->start,
-                             scene->has_initial_x ? &scene->initial_x : NULL,
-                             scene->has_initial_v ? &scene->initial_v : NULL, error));
+    if (run->resting || run->rest_change <= SAME_REST)
+        return DEA_OK;
+    for (int i = 0; i < run->count; i++) { /* at the run's own voltages, where it rests: books start from one state */
+        double x = run->devices[i].outlook.x[0];
+        DEA_TRY(rest_device(run, i, &x, error));
+    }
     return DEA_OK;
 }
 

@@ -308,12 +308,10 @@ static enum dea_status choose_first_step(struct dea_plant *plant, double limit, 
  * inputs, or until it moves again: a circuit gives no corners. One damped too much to swing needs it never. */
 static enum dea_status note_quiet(struct dea_plant *plant, struct dea_error *error) {
     double h = 0.0;
-    if (plant->v == ABSENT || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
+    if (plant->v == ABSENT || plant_is_light(plant) || IDAGetLastStep(plant->ida, &h) != IDA_SUCCESS)
         return DEA_OK;
     const double *y = NV_DATA_S(plant->y);
     double omega = sqrt(fmax(plant->device->stiffness, 0.0) / plant->device->effective_mass);
-    if (plant->device->damping >= 2.0 * omega * plant->device->effective_mass)
-        return DEA_OK;
     double swing = fabs(y[plant->v]) * plant->scale[plant->v];
     double size = omega * plant->largest[plant->x] * plant->scale[plant->x];
     if (plant->low_order)

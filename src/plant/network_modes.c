@@ -238,23 +238,21 @@ static bool get_mode(const struct pencil *pencil, int mode, double complex *lamb
     return pencil->imag[mode] >= 0.0 && isfinite(creal(*lambda)) && isfinite(cimag(*lambda)) && *lambda != 0.0;
 }
 
-/* Adds up what the modes remember. */
-static void remember(struct dea_plant *plant, const struct pencil *pencil) {
+/* Adds up what the modes remember. `showings` is room for one of each. */
+static void remember(struct dea_plant *plant, const struct pencil *pencil, struct showing *showings) {
     double complex lambda;
     double sizes[DEA_ZONES] = {0.0};
-    struct showing showing;
     for (int mode = 0; mode < pencil->n; mode++) {
         if (!get_mode(pencil, mode, &lambda))
             continue;
-        find_showing(plant, pencil, mode, lambda, &showing);
+        find_showing(plant, pencil, mode, lambda, &showings[mode]);
         for (int k = 0; k < DEA_ZONES; k++)
-            sizes[k] += isfinite(showing.jumped[k]) ? showing.jumped[k] : 0.0;
+            sizes[k] += isfinite(showings[mode].jumped[k]) ? showings[mode].jumped[k] : 0.0;
     }
     for (int mode = 0; mode < pencil->n; mode++) {
         if (!get_mode(pencil, mode, &lambda))
             continue;
-        find_showing(plant, pencil, mode, lambda, &showing);
-        double share = find_share(&showing, sizes);
+        double share = find_share(&showings[mode], sizes);
         if (share < NEGLIGIBLE_SHARE * plant->options.accuracy)
             continue;
         double memory = fmin(1.0 / fmax(-creal(lambda), DBL_MIN), 1.0);
@@ -267,8 +265,13 @@ static enum dea_status find_modes(struct dea_plant *plant, struct pencil *pencil
     bool found;
     plant->creep = 0.0;
     DEA_TRY(solve(pencil, &found, error));
-    if (found)
-        remember(plant, pencil);
+    if (!found)
+        return DEA_OK;
+    struct showing *showings = calloc((size_t)pencil->n, sizeof *showings);
+    if (showings == NULL)
+        return dea_fail(error, DEA_ERR_MEMORY, "out of memory for the modes of %d unknowns", pencil->n);
+    remember(plant, pencil, showings);
+    free(showings);
     return DEA_OK;
 }
 

@@ -121,17 +121,13 @@ static double charge_memory(const struct dea_plant *plant, int k) {
 }
 
 /* Free oscillations over which an error is carried on. */
-static double count_cycles(const struct dea_plant *plant) {
+double dea_plant_remembered_cycles(const struct dea_plant *plant) {
     double cycle, memory = platform_memory(plant, &cycle);
     if (isinf(cycle))
         return 0.0;
     double duration = plant->options.duration > 0.0 ? plant->options.duration : USUAL_CYCLES * cycle;
     double count = fmin(memory, duration) / cycle;
     return memory > LOSSLESS * duration ? UNDAMPED * count : count;
-}
-
-double dea_plant_remembered_cycles(const struct dea_plant *plant) {
-    return count_cycles(plant);
 }
 
 /* Periods of the drive that are remembered, by the platform or by a charge that takes its time. */
@@ -146,7 +142,7 @@ static double count_periods(const struct dea_plant *plant) {
 /* How much an error grows by being carried on: over the free oscillations of the run, or those before damping has wiped
  * it out, and over faster periods of the drive in that time, whose errors add up at random. */
 static double weigh_memory(const struct dea_plant *plant) {
-    double cycles = count_cycles(plant), driven = count_periods(plant);
+    double cycles = dea_plant_remembered_cycles(plant), driven = count_periods(plant);
     return PER_CYCLE * cycles + PER_RINGING * plant->ringing + PER_PERIOD * sqrt(fmax(driven - cycles, 0.0));
 }
 
